@@ -16,7 +16,7 @@ from warehouse_core.arguments import flag, real_number
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.window import has_display
-from warehouse_core.viz.export import FORMATS, progress_bar
+from warehouse_core.viz.export import FORMATS, has_live_terminal, progress_bar
 from warehouse_core.viz.export.gif_writer import GifWriter
 from warehouse_core.viz.export.mp4_frames import mp4_frames
 from warehouse_core.viz.figure import SceneFigure, make_figure, make_window, save_svg
@@ -35,6 +35,9 @@ __all__ = ["Replay"]
 
 MAX_GIF_FRAMES = 1000
 """Limit on the frames of a GIF. Longer replays are thinned evenly, and play faster."""
+
+LONG = 300
+"""Number of frames from which on drawing them takes so long that a message is printed first."""
 
 GIF_FRAMES_APART = 2
 """Number of frames of a continuous motion between two frames of a GIF, which also has the last."""
@@ -209,23 +212,29 @@ class Replay(FuncAnimation):
     def _write_gif(self, path: Path) -> None:
         last = len(self._scene) - 1
         every = max(self._gif_every, math.ceil(last / (MAX_GIF_FRAMES - 1)))
-        if every > self._gif_every:
-            print(
-                f"the GIF shows one in {every} of {last + 1:,} frames; a page (.html) has all of "
-                "them and is written at once",
-                file=sys.stderr,
-            )
+        frames = [*range(0, last, every), last]
+        self._announce(len(frames), is_thinned=every > self._gif_every)
         with progress_bar(last + 1, "Drawing") as report, path.open("wb") as file:
             writer = GifWriter(file, self.frame_ms * self._gif_every)
-            for frame in [*range(0, last, every), last]:
+            for frame in frames:
                 self._scene.show(frame)
                 writer.add(self.figure.rgba(), self.figure.changed)
                 report(frame, None)
             writer.finish()
 
+    def _announce(self, count: int, *, is_thinned: bool = False) -> None:
+        """Print how many frames will be drawn, if some are left out or no bar shows a long wait."""
+        if is_thinned or (count >= LONG and not has_live_terminal()):
+            print(
+                f"drawing {count:,} of {len(self._scene):,} frames; a page (.html) has all of them "
+                "and is written at once",
+                file=sys.stderr,
+            )
+
     def _write_mp4(self, path: Path) -> None:
         figure, count = self.figure, len(self._scene)
         height, width = (side // 2 * 2 for side in figure.rgba().shape[:2])
+        self._announce(count)
         with (
             progress_bar(count, "Drawing") as report,
             mp4_frames(path, self.fps, width, height) as add,

@@ -104,10 +104,30 @@ def test_a_long_gif_is_thinned_with_a_message(
     images, durations = frames_of_gif(tmp_path / "film.gif")
     assert len(images) == 4
     assert durations[:-1] == [100] * 3
-    assert capsys.readouterr().err.startswith("the GIF shows one in 3 of 10 frames; a page")
+    assert capsys.readouterr().err.startswith("drawing 4 of 10 frames; a page (.html)")
     replay_of(frames[:4]).save(tmp_path / "film.gif")
     assert len(frames_of_gif(tmp_path / "film.gif")[0]) == 4
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("is_live", "said"), [(False, "drawing 4 of 4 frames; a page"), (True, "")]
+)
+@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
+def test_without_a_bar_a_message_announces_a_long_film(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    suffix: str,
+    is_live: bool,
+    said: str,
+) -> None:
+    monkeypatch.setattr("warehouse_core.viz.replay.LONG", 4)
+    monkeypatch.setattr("warehouse_core.viz.replay.has_live_terminal", lambda: is_live)
+    frames = [["." * col + "R" + "." * (3 - col)] for col in range(4)]
+    for shown, words in ((frames[:3], ""), (frames, said)):
+        replay_of(shown).save((tmp_path / "film").with_suffix(suffix))
+        assert capsys.readouterr().err[: len(words) or None] == words
 
 
 # GIFs count hundredths of a second, up to a maximum; viewers play shorter frames slowly.
