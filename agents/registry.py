@@ -12,20 +12,20 @@ import ast
 import importlib
 import importlib.util
 import inspect
-import os
 import random
-import re
 import sys
 import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple, cast
 
 import numpy as np
 
+from agents.code_names import CodeName, split_name
 from agents.errors import AgentError, reason_of
 from agents.fleet.charging import costs_around_chargers
 from agents.fleet.guided import NAMED, auto
@@ -207,7 +207,7 @@ def make_planner(
 
 def current_planner(name: str) -> str:
     """Return the present name of a planner or solver, with a warning if it has been renamed."""
-    source, options = _split(name)
+    source, _, options = split_name(name)
     if source not in RENAMED_PLANNERS:
         return name
     new = RENAMED_PLANNERS[source]
@@ -240,8 +240,9 @@ def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver
         >>> from agents.registry import make_solver
         >>> solve = make_solver("ecbs:w=1.1", {"ecbs": solve_eecbs})
     """
-    source, options = _split(name)
-    solve = known.get(source) or _load_function(source)
+    code = split_name(name)
+    what = _without_options(code)
+    solve = known.get(what) or _load_function(code)
     if solve is None:
         return None
     try:
@@ -249,10 +250,10 @@ def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver
         takes_seed = "seed" in inspect.signature(rest).parameters
     except ValueError:
         raise AgentError(
-            f"function {source!r} cannot be called with two arguments; needed: problem and seconds"
+            f"function {what!r} cannot be called with two arguments; needed: problem and seconds"
         ) from None
     given = {"seed": seed} if takes_seed else {}
-    return partial(solve, **given, **_options(f"planner {source!r}", rest, options))
+    return partial(solve, **given, **_options(f"planner {what!r}", rest, code.options))
 
 
 def make_backend(name: str) -> Backend:
@@ -273,12 +274,14 @@ def make_backend(name: str) -> Backend:
         >>> make_backend("physics:top_speed=2")
         'physics:top_speed=2'
     """
-    source, _ = _split(name)
-    if _split_class(source)[0] is None or source.partition(":")[0] in backend_names():
+    code = split_name(name)
+    if code.file is None and (code.module is None or code.source in backend_names()):
         return name
     [motion] = _make(BACKEND, name, [None], DEFAULT_LAYOUT)
     if not isinstance(motion, Motion):
-        raise AgentError(f"class {source!r} has no cell_size; needed: side of a cell in metres")
+        raise AgentError(
+            f"class {_without_options(code)!r} has no cell_size; needed: side of a cell in metres"
+        )
     return motion
 
 
@@ -360,32 +363,27 @@ def _make(
     word, colon, rest = name.partition(":")
     if colon and word in sort.trained:
         return [_load_trained(sort, word, rest, seed, layout) for seed in seeds]
-    source, options = _split(name)
-    if seeds[0] is not None and source not in sort.known:
+    code = split_name(name)
+    what = _without_options(code)
+    if seeds[0] is not None and what not in sort.known:
         random.seed(seeds[0])
         np.random.seed(seeds[0] % 2**32)
-    kind = sort.known.get(source) or _load_class(sort, source)
-    given = _options(f"{sort.word} {source!r}", kind, options)
+    kind = sort.known.get(what) or _load_class(sort, code)
+    given = _options(f"{sort.word} {what!r}", kind, code.options)
     try:
         wanted = (_wanted(kind, seed, layout, robots) for seed in seeds)
         if "moves" in inspect.signature(kind).parameters:
             given["moves"] = moves
         return [kind(**(each | given)) for each in wanted]
     except (Exception, SystemExit) as error:  # a user's code may raise anything
-        if source in sort.known:
+        if what in sort.known:
             raise AgentError(f"{sort.word} {name!r}: {error}") from error
         reason = reason_of(error, agent_file(name))
         raise AgentError(f"{sort.word} {name!r} cannot be made: {reason}") from error
 
 
-def _split(name: str) -> tuple[str, str]:
-    """Return the name of an agent without its arguments, and its arguments.
-
-    A path may contain ``=``, and on Windows a colon too, so an existing file comes first.
-    """
-    source, _, options = name.rpartition(":")
-    has_options = source and re.match(r"[^/\\]*=", options) and not os.path.isfile(name)
-    return (source, options) if has_options else (name, "")
+def _without_options(code: CodeName) -> str:
+    return code.source if code.kind is None else f"{code.source}:{code.kind}"
 
 
 def _options(what: str, kind: Callable[..., Any], text: str) -> dict[str, Any]:
@@ -410,24 +408,21 @@ def _options(what: str, kind: Callable[..., Any], text: str) -> dict[str, Any]:
 
 def is_own_code(name: str) -> bool:
     """Return whether a name stands for a user's class, whose code ``make_agent`` would run."""
-    return _split(name)[0] not in AGENTS and name.partition(":")[0] not in TRAINED
+    is_trained = name.partition(":")[0] in TRAINED
+    return not is_trained and _without_options(split_name(name)) not in AGENTS
 
 
 def agent_file(name: str) -> Path | None:
     """Return the file in the name of an agent, or ``None`` if it has none."""
     word, colon, rest = name.partition(":")
     if colon and word in TRAINED:
-        return Path(_split_trained(rest)[0])
-    source, _ = _split_class(_split(name)[0])
-    return Path(source) if source is not None and source.endswith(".py") else None
+        return Path(split_name(rest, [""]).source)
+    return split_name(name).file
 
 
 def agent_module(name: str) -> str | None:
     """Return the module from which a user's agent is imported, or ``None`` for other agents."""
-    source, _ = _split_class(_split(name)[0])
-    if not source or source.endswith(".py") or not is_own_code(name):
-        return None
-    return source
+    return (split_name(name).module or None) if is_own_code(name) else None
 
 
 def _wanted(
@@ -443,15 +438,8 @@ def _wanted(
     return {name: part for name, part in parts.items() if name in taken}
 
 
-def _split_trained(rest: str) -> tuple[str, str]:
-    """Return the file of a trained agent and its arguments; a file may contain ``:`` and ``=``."""
-    file, _, options = rest.rpartition(":")
-    has_options = re.match(r"[a-z_]+=", options) and not os.path.isfile(rest)
-    return (file, options) if has_options else (rest, "")
-
-
 def _load_trained(sort: Sort, word: str, rest: str, seed: int | None, layout: Layout) -> Any:
-    file, options = _split_trained(rest)
+    file, _, options = split_name(rest, [""])
     load = partial(sort.trained[word], Path(file))
     what = f"{sort.word} {f'{word}:{file}'!r}"
     if not file or "\0" in file:
@@ -469,15 +457,15 @@ def _load_trained(sort: Sort, word: str, rest: str, seed: int | None, layout: La
         ) from error
 
 
-def _load_class(sort: Sort, name: str) -> type[Any]:
-    source, class_name = _split_class(name)
-    if source is None:
+def _load_class(sort: Sort, code: CodeName) -> type[Any]:
+    name, source, class_name = _without_options(code), code.source, code.kind
+    if code.file is None and class_name is None:
         raise AgentError(
             f"no {sort.word} is called {name!r}; allowed: "
             f"{', '.join([*sort.known, *(f'{word}:FILE' for word in sort.trained)])}, or your "
             "own as file.py, file.py:Class or module:Class"
         )
-    module = _load_module(source)
+    module = _load_module(code)
     if class_name is None:
         return _only_class(sort, source, module)
     kind: Any = getattr(module, class_name, None)
@@ -491,21 +479,10 @@ def _load_class(sort: Sort, name: str) -> type[Any]:
     return kind
 
 
-def _load_function(name: str) -> Callable[..., Any] | None:
+def _load_function(code: CodeName) -> Callable[..., Any] | None:
     """Return the user's function with a name, or ``None`` if there is no such function."""
-    source, function = _split_class(name)
-    if source is None or function is None:
-        return None
-    found = getattr(_load_module(source), function, None)
+    found = None if code.kind is None else getattr(_load_module(code), code.kind, None)
     return found if inspect.isfunction(found) else None
-
-
-def _split_class(name: str) -> tuple[str | None, str | None]:
-    """Return the file or module of a class, and its name; each is ``None`` if it is missing."""
-    if name.endswith(".py"):
-        return name, None
-    source, colon, class_name = name.rpartition(":")
-    return (source, class_name) if colon else (None, class_name)
 
 
 def _missing(sort: Sort, kind: type[Any]) -> list[list[str]]:
@@ -533,8 +510,9 @@ def _only_class(sort: Sort, source: str, module: ModuleType) -> type[Any]:
     return found[0]
 
 
-def _load_module(source: str) -> ModuleType:
-    if not source.endswith(".py"):
+def _load_module(code: CodeName) -> ModuleType:
+    source, path = code.source, code.file
+    if path is None:
         if not all(part.isidentifier() for part in source.split(".")):
             raise AgentError(f"{source!r} is neither a .py file nor the name of a module")
         try:
@@ -547,19 +525,18 @@ def _load_module(source: str) -> ModuleType:
             raise AgentError(
                 f"cannot import agent module {source!r}: {reason_of(error)}"
             ) from error
-    path = Path(source)
     if not path.is_file():
         raise AgentError(f"agent file {source}: {not_a_file(path) or 'there is no such file'}")
     # No module that can be imported has this name, because of its spaces.
-    spec = importlib.util.spec_from_file_location(f"agent file {path.stem}", path)
-    assert spec is not None, "a .py file always has a spec"
-    assert spec.loader is not None, "a .py file always has a loader"
+    loader = SourceFileLoader(f"agent file {path.stem}", str(path))
+    spec = importlib.util.spec_from_file_location(loader.name, path, loader=loader)
+    assert spec is not None, "a file with a loader has a spec"
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses look it up there
     folder = path.resolve().parent
     try:
         with _modules_of(folder):
-            spec.loader.exec_module(module)
+            loader.exec_module(module)
     except SyntaxError as error:
         raise AgentError(f"{error.filename or source}, line {error.lineno}: {error.msg}") from error
     except ImportError as error:

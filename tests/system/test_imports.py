@@ -93,16 +93,19 @@ MAY_IMPORT = {
     "agents/learning": "errors warehouse_agent_greedy",
     "agents/drive": "",
     "agents/lab": "errors fleet mapf",
-    "agents/registry": "errors fleet kinds learning mapf search warehouse_agent_greedy",
+    "agents/code_names": "",
+    "agents/registry": "code_names errors fleet kinds learning mapf search warehouse_agent_greedy",
     "agents/lab/runs": "drive errors fleet learning registry",
-    "agents/lab/console": "errors lab lab/runs registry",
+    "agents/lab/console": "code_names errors lab lab/runs registry",
     "agents/lab/trials": "errors lab/console lab/runs learning",
     "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/commands/planners": (
-        "errors fleet lab lab/console lab/trials mapf mapf/kernels registry"
+        "code_names errors fleet lab lab/console lab/trials mapf mapf/kernels registry"
     ),
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
-    "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
+    "agents/lab/grading": (
+        "code_names errors lab lab/runs lab/trials registry warehouse_agent_greedy"
+    ),
     "agents/lab/training": "lab/console lab/trials learning",
     "agents/lab/datasets": "errors lab lab/experiments lab/trials registry",
     "agents/lab/reports": "errors lab lab/console lab/experiments lab/trials registry",
@@ -112,7 +115,7 @@ MAY_IMPORT = {
     "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",
     "agents/lab/commands": (
-        "errors fleet lab lab/commands/backends lab/commands/fleet "
+        "code_names errors fleet lab lab/commands/backends lab/commands/fleet "
         "lab/commands/grade lab/commands/planners lab/console lab/datasets "
         "lab/experiments lab/playground lab/reports lab/runs lab/training lab/trials learning mapf "
         "registry search warehouse_agent_greedy"

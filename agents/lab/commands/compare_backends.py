@@ -9,6 +9,7 @@ from textwrap import fill
 
 import typer
 
+from agents.code_names import split_name
 from agents.lab.commands.run import run_episode
 from agents.lab.commands.worlds import NO_VALUE, on_one_clock, result_rows, story_of_worlds
 from agents.lab.console.output import Film, show_or_save
@@ -78,6 +79,6 @@ def compare_backends(
     print_table(comparison_table(records))
     say(fill(story_of_worlds(records), get_terminal_size().columns))
     film = Film(lambda: on_one_clock(records, [track_of_record(each) for each in records.values()]))
-    names = "-".join(backend.partition(":")[0] for backend in backends)
+    names = "-".join(Path(split_name(backend).source).stem for backend in backends)
     agent = next(iter(records.values())).agent
     show_or_save(film, save, show, f"compare-{agent}-{names}-{seed}.gif")

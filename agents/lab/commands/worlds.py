@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import typer
 
+from agents.code_names import split_name
 from warehouse_core import Cell, Episode
 from warehouse_core.motion.base import centre_of
 from warehouse_core.records.drive_summary import DriveSummary, drive_summary
@@ -49,11 +51,13 @@ NO_VALUE = "-"
 def split_worlds(text: str) -> list[str]:
     """Return the names of worlds in a text such as ``grid,physics:mass=90,drive=differential,icy``.
 
-    A part with ``=`` but without ``:`` is a further setting of the world before it.
+    A part with ``=`` but without ``:`` is a further setting of the world before it, unless it is
+    an existing file, or this world has no settings.
     """
     worlds: list[str] = []
     for part in text.split(","):
-        if worlds and "=" in part and ":" not in part:
+        is_setting = "=" in part and ":" not in part and not os.path.isfile(part)
+        if is_setting and worlds and split_name(worlds[-1]).options:
             worlds[-1] += f",{part}"
         elif not part or part in worlds:
             what = f"names {part} twice" if part else f"is {text!r}"
@@ -186,7 +190,7 @@ def story_of_worlds(records: Mapping[str, Episode]) -> str:
     """Return sentences that compare what the worlds measured, and the cells that were visited."""
     parts = []
     for world, record in records.items():
-        summary, name = drive_summary(record), world.partition(":")[0]
+        summary, name = drive_summary(record), split_name(world).source
         if summary is None:
             parts.append(f"The {world} counts {counted(record.steps, 'step')}.")
             continue

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import typer
 
+from agents.code_names import split_name
 from agents.lab.place import Place, Stations, check_stations, default_stations, what_to_draw
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout
 from warehouse_core.arguments import MAX_STEPS
@@ -84,7 +85,7 @@ def with_slippery(cells: Sequence[str], layout: Layout, *backends: str) -> list[
 
 
 def _has_bodies(backend: str) -> bool:
-    name = backend.partition(":")[0]
+    name = split_name(backend).source
     return is_drive(backend) or (
         name in backend_names() and "slippery" in getattr(load_backend(name), "WORDS", ())
     )

@@ -13,6 +13,7 @@ from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
+from agents.code_names import split_name
 from agents.errors import AgentError
 from agents.lab.grading.archives import (
     CODE,
@@ -169,7 +170,7 @@ def find_submission(name: str) -> Submission:
     The file may also be a notebook or an archive.
 
     Raises:
-        AgentError: there is no such agent, or it needs the map.
+        AgentError: there is no such agent, it needs the map, or arguments follow its name.
 
     Example:
         >>> from pathlib import Path
@@ -178,12 +179,10 @@ def find_submission(name: str) -> Submission:
         >>> find_submission("mine.py:Mine").kind
         'Mine'
     """
-    source, colon, last = name.rpartition(":")
-    if name.lower().endswith(SUFFIXES):
-        source, kind = name, None
-    elif colon:
-        kind = last
-    else:
+    source, kind, options = split_name(name, SUFFIXES)
+    if options:
+        raise AgentError(f"agent {name!r}: graded agents take no arguments; given: {options}")
+    if kind is None and not source.lower().endswith(SUFFIXES):
         return _built_in(name)
     if not source.lower().endswith(SUFFIXES):
         code = fingerprint(None, source) or ""

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents import registry
+from agents.code_names import split_name
 from agents.errors import AgentError, PlanError, reason_of
 from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
@@ -57,7 +58,7 @@ def make_stepper(
         AgentError: ``make_planner`` fails, the object is not a ``Planner``, or robots have headings
             and it does not support them.
     """
-    if name.partition(":")[0] not in PLANNERS and registry.make_solver(name, SOLVERS):
+    if split_name(name).source not in PLANNERS and registry.make_solver(name, SOLVERS):
         raise AgentError(
             f"planner {name!r} plans whole paths to one goal per robot; allowed in lifelong runs: "
             f"{', '.join(PLANNERS)}, or your own as file.py:Class or module:Class"
@@ -82,11 +83,12 @@ def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solve
     improves plans of large teams until the time is up.
     """
     prepare_solvers()
-    name = "lacam" if name.partition(":")[0] == AUTO else registry.current_planner(name)
+    name = "lacam" if split_name(name).source == AUTO else registry.current_planner(name)
     solver = registry.make_solver(name, SOLVERS, seed)
     if solver is not None:
         return solver
-    if ":" not in name and name not in PLANNERS:
+    code = split_name(name)
+    if code.file is None and code.module is None and code.source not in PLANNERS:
         known = [*PLANNERS, *SOLVERS]
         raise AgentError(
             f"no planner is called {name!r}; allowed: {', '.join(known)}, or your own as "
@@ -111,7 +113,7 @@ def solve_checked(name: str, solve: Solver, problem: Problem, seconds: float) ->
     except PlanError:
         raise
     except Exception as error:  # the solver of a user may raise anything
-        if isinstance(error, ValueError) and name.partition(":")[0] in SOLVERS:
+        if isinstance(error, ValueError) and split_name(name).source in SOLVERS:
             raise AgentError(f"planner {name!r}: {error}") from error  # a wrong argument
         reason = reason_of(error, agent_file(name))
         raise AgentError(f"planner {name!r} failed: {reason}") from error

@@ -1,6 +1,7 @@
 import re
 from pathlib import Path
 
+import pytest
 from helpers.command_line import Warehouse
 from PIL import Image
 
@@ -46,6 +47,17 @@ def test_a_single_backend_is_compared_with_the_grid(warehouse: Warehouse) -> Non
     assert "driving" not in out
     assert "Both visit different cells." in out
     assert "names grid twice" in warehouse(*words, "--backend", "grid").err
+
+
+def test_a_replay_of_own_code_is_named_after_its_file(
+    warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a=b").mkdir()
+    source = "from warehouse_core.motion.grid import GridMotion\nclass Mine(GridMotion): pass\n"
+    Path("a=b", "mine.py").write_text(source)
+    words = ("compare", "backends", "--backend", "a=b/mine.py:Mine", "--seed", 3, "--max-steps", 1)
+    assert "saved compare-GreedyAgent-grid-mine-3.gif" in warehouse(*words).out
 
 
 def test_compare_keeps_the_stations_of_a_file(warehouse: Warehouse, tmp_path: Path) -> None:

@@ -103,9 +103,17 @@ def test_slippery_cells_limit_the_ice(warehouse: Warehouse) -> None:
         ("grid", ["grid"]),
         ("grid,physics:mass=90,drive=differential,icy", None),
         ("physics:mass=90,mine.py:Mine:x=1", ["physics:mass=90", "mine.py:Mine:x=1"]),
+        ("grid,a=c/mine.py,icy", ["grid", "a=c/mine.py", "icy"]),
+        ("mine.py:x=1,a=b/mine.py", ["mine.py:x=1", "a=b/mine.py"]),  # a file that exists
+        ("mine.py:x=1,a=c/mine.py", ["mine.py:x=1,a=c/mine.py"]),
     ],
 )
-def test_settings_follow_the_name_of_a_world(worlds: str, expected: list[str] | None) -> None:
+def test_settings_follow_the_name_of_a_world(
+    worlds: str, expected: list[str] | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a=b").mkdir()
+    Path("a=b", "mine.py").touch()
     settings = ["grid", "physics:mass=90,drive=differential", "icy"]
     assert split_worlds(worlds) == (expected or settings)
 

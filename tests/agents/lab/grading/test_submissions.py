@@ -25,7 +25,7 @@ from helpers.submissions import (
     write_rubric,
 )
 
-from agents.errors import GradeError
+from agents.errors import AgentError, GradeError
 from agents.lab.grading import sandbox, submissions, walls
 from agents.lab.grading.grades import row_of
 from agents.lab.grading.gradescope import results_of
@@ -500,3 +500,11 @@ def test_who_is_not_kept_from_others_must_be_trusted(
     ):
         check_trust(None, is_trusted=False, are_many=False)
     assert check_trust("nobody", is_trusted=False, are_many=True)
+
+
+def test_a_graded_agent_takes_no_arguments(tmp_path: Path) -> None:
+    file = tmp_path / "a=b.py"
+    file.write_text("class Mine: pass\n")
+    assert find_submission(f"{file}:Mine").shown == str(file)
+    with pytest.raises(AgentError, match=r"graded agents take no arguments; given: x=2$"):
+        find_submission(f"{file}:Mine:x=2")
