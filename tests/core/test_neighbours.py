@@ -42,19 +42,43 @@ def test_no_agents_at_all_are_fine(monkeypatch: pytest.MonkeyPatch) -> None:
     warn_of_other_agents()
 
 
-def test_the_package_runs_from_a_zip_file(tmp_path: Path) -> None:
-    archive = tmp_path / "lab.zip"
+@pytest.fixture(scope="module")
+def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a ZIP file with the packages."""
+    archive = tmp_path_factory.mktemp("archive") / "lab.zip"
     with zipfile.ZipFile(archive, "w") as packed:
         for package in ("warehouse_core", "warehouse_physics", "agents"):
             for file in (ROOT / package).rglob("*"):
                 if file.is_file() and "__pycache__" not in file.parts:
                     packed.write(file, file.relative_to(ROOT))
+    return archive
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run --seed 12 --save x.html", "saved x.html"),
+        ("sweep --preset escape -n 1 -j 1", "5 combinations, 1 episode each, 0 done"),
+        ("grade greedy", "of 100 points"),
+    ],
+)
+def test_commands_run_from_a_zip_file(archive: Path, tmp_path: Path, words: str, said: str) -> None:
     program = f"import sys; sys.path.insert(0, {str(archive)!r}); from agents.__main__ import main;"
     program += "assert '.zip' in main.__code__.co_filename;"
-    program += "sys.argv[1:] = ['run', '--seed', '12', '--save', 'x.html']; main()"
+    program += f"sys.argv[1:] = {words.split()!r}; main()"
     result = run("-c", program, folder=tmp_path)
     assert (result.returncode, result.stderr) == (0, "")
-    assert "saved x.html" in result.stdout
+    assert said in result.stdout
+
+
+def test_pages_are_made_from_a_zip_file(archive: Path, tmp_path: Path) -> None:
+    program = f"import sys; sys.path.insert(0, {str(archive)!r}); import warehouse_core as core;"
+    program += "assert '.zip' in core.__file__; from agents import GreedyAgent;"
+    program += "record = core.record_episode(core.WarehouseEnv(), GreedyAgent(seed=1), seed=1);"
+    program += "core.replay_animation(record).save('x.html')"
+    result = run("-c", program, folder=tmp_path)
+    assert (result.returncode, result.stderr) == (0, "")
+    assert (tmp_path / "x.html").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("command", ["run", "grade", "demo"])
