@@ -41,8 +41,7 @@ class Randomized(NamedTuple):
 
 def randomized_parts(randomize: bool | str) -> Randomized:
     """Return the random parts for a value of ``randomize``, or raise ``ValueError``."""
-    is_flag = randomize is False or randomize is True
-    if not is_flag and not (isinstance(randomize, (int, str, np.bool_)) and randomize in RANDOMIZE):
+    if not (isinstance(randomize, (int, str, np.bool_)) and randomize in RANDOMIZE):
         allowed = ", ".join(map(repr, RANDOMIZE))
         raise ValueError(f"randomize is {brief(randomize)}; allowed: {allowed}")
     return Randomized(randomize in (True, STATIONS), randomize in (True, START))

@@ -106,6 +106,16 @@ def test_bad_input_is_an_error() -> None:
         FleetBatch(3, YARD, 2).measures(3)
 
 
+def test_fleets_are_numbered_from_0_to_the_last() -> None:
+    many = FleetBatch(3, YARD, 2)
+    many.reset(seed=1)
+    many.step(np.zeros(6, np.intp))
+    assert [many.measures(fleet).steps for fleet in range(3)] == [1, 1, 1]
+    for fleet in (-1, 3):
+        with pytest.raises(ValueError, match=rf"^fleet is {fleet}; it must be at "):
+            many.measures(fleet)
+
+
 def test_random_starts_are_empty_cells_first() -> None:
     for robots in (4, 6):
         fleet = FleetEnv(["P..", "D..", "C##"], robots, battery=10**6)

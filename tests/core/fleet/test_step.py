@@ -33,6 +33,13 @@ def order(due: int = 50, released: int = 0, robot: int | None = None, **cells: A
     return Order(released, due, cells.get("pickup", (0, 0)), (0, 4), robot)
 
 
+def test_an_order_is_released_when_its_step_has_been_reached() -> None:
+    fleet = shop(order(released=0), order(released=2), robots=1)
+    for released in (1, 1, 2):
+        assert len(fleet.orders) == released
+        fleet.step([WAIT])
+
+
 def test_the_rules_judge_each_robot_where_it_is_after_the_motion() -> None:
     fleet = begun(["P.D", "#.#"], 2, starts=[(0, 0), (1, 1)])
     _, rewards, terminated, truncated, info = fleet.step([PICK, WEST])

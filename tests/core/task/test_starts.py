@@ -1,4 +1,5 @@
 from itertools import permutations, product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from warehouse_core.task.starts import (
     draw_ranks,
     has_start,
     motion_seed,
+    randomized_parts,
 )
 
 BELOW_ONE = 1 - 2**-53
@@ -95,3 +97,27 @@ def test_a_start_needs_a_cell_besides_stations_and_chargers(
     rows: list[str], randomized: Randomized, expected: bool
 ) -> None:
     assert has_start(Layout(rows), randomized) is expected
+
+
+@pytest.mark.parametrize(
+    ("randomize", "parts"),
+    [
+        (False, (False, False)),
+        (True, (True, True)),
+        ("stations", (True, False)),
+        ("start", (False, True)),
+        (0, (False, False)),
+        (np.True_, (True, True)),
+    ],
+)
+def test_a_value_of_randomize_says_which_parts_are_random(
+    randomize: bool | str, parts: tuple[bool, bool]
+) -> None:
+    assert randomized_parts(randomize) == parts
+
+
+@pytest.mark.parametrize("randomize", ["all", "", 2, 1.0, None, [True], np.zeros(2)])
+def test_other_values_of_randomize_are_refused(randomize: Any) -> None:
+    """A float is refused although it equals a flag."""
+    with pytest.raises(ValueError, match=r"^randomize is .*; allowed: False, True, 'stations', "):
+        randomized_parts(randomize)
