@@ -18,27 +18,7 @@ from agents.lab.console.group import HELP
 from agents.lab.parameters import Number, Whole
 from agents.lab.trials.random_layouts import TRAINING_LAYOUTS
 
-MANY = 10**9
 ORDERS = "released,due,pickup_row,pickup_col,dropoff_row,dropoff_col,robot"
-LIMITS = {
-    "--battery": {(1, MANY)},
-    "--count": {(1, 10**6)},
-    "--episodes": {(1, 100_000), (1, 100_000_000)},
-    "--jobs": {(1, 1024)},
-    "--layouts": {(1, 100_000)},
-    "--lifelong": {(1, MANY)},
-    "--max-steps": {(1, MANY)},
-    "--order-rate": {(0, MANY)},
-    "--people": {(0, 100_000)},
-    "--plan-seconds": {(0.001, MANY)},
-    "--robots": {(1, 100_000), (1, 1000)},
-    "--seed": {(0, 2**62), (0, 2**32 - 1)},
-    "--speed": {(0.01, 100)},
-    "--steps": {(1, MANY)},
-    "--view-radius": {(0, 1000)},
-}
-"""Smallest and largest values of options, which may differ between commands."""
-
 ARGUMENTS = {
     "export": ("warehouse/greedy-v0",),
     "grade": ("agent.py",),
@@ -111,7 +91,6 @@ WRONG = {
     "compare planners --robots 4,x": f"--robots has 'x'; {SIZES}",
     "compare planners --robots 0": f"--robots has '0'; {SIZES}",
     "compare search --weights 1,-2": f"--weights has '-2'; {WEIGHT}",
-    "compare search --weights much": f"--weights has 'much'; {WEIGHT}",
     "compare search --weights 1,2,3,4,5,6,7": "--weights has 7 weights; at most 6",
     "compare search --heuristic luck": "no heuristic is called 'luck'; allowed: manhattan",
     "compare search --jobs 3": "--jobs cannot be combined with 'compare search'",
@@ -123,7 +102,6 @@ WRONG = {
     "train ppo --layouts 3": f"--layouts {UNUSED}",
     "compare agents --layout random --size 7": '--size is 7; allowed: a size "HEIGHTxWIDTH"',
     "compare agents --layout random --density 0.1:x": f"--density is '0.1:x'; {DENSITY}",
-    "train ppo --layout random --density 0.1:0.2:0.3": DENSITY,
     "compare agents --layout random --start 1,1": "--start cannot be combined with --layout random",
     "train ppo --layout random --robots 2": "--layout random cannot be combined with --robots",
     "train q --layout random": "--layout random cannot be combined with 'train q'",
@@ -154,27 +132,22 @@ IMPOSSIBLE = {
     "compare agents -o a.gif": "a.gif: cannot save as .gif; allowed: .svg, .png",
     "compare search -o a.csv": "a.csv: cannot save as .csv; allowed: .gif, .mp4, .html, .svg, .png",
     "compare agents --layout random --density 0.2:0.5": "density is 0.5; it must be at least 0",
-    "compare agents --layout random --density 0.4:0.1": "density is from 0.4 to 0.1",
     f"compare agents -n 2 --layout random --seed {TRAINING_LAYOUTS - 1}": (
         f"the seed of a random layout is {TRAINING_LAYOUTS}; allowed: 0.."
     ),
     "train ppo --layout random --size 4x4": "each of the 1024 training layouts is also in an exam",
     "train ppo --save m.zip": "m.zip: cannot save as .zip; allowed: .npz",
     "train q --save q.zip": "q.zip: cannot save as .zip; allowed: .npz",
-    "train q --save q.NPZ": "q.NPZ: cannot save as .NPZ; allowed: .npz",
     "train q --save missing/q.npz": "the folder missing does not exist",
     "train q --layout tiny.txt": "randomize needs two open cells",
     "layout random -o missing/hall.txt": "the folder missing does not exist",
     "layout random:height=1": "the size is 1 x 16",
     "layout shelves:rows=0": "shelf_rows is 0",
     "layout warehouse:10-20-10-0-1": "depth is 0; it must be at least 1",
-    "layout warehouse:999999999-1-1-1-1": "columns is 999999999; it must be at most",
     "layout warehouse:10-20-10-2": f"'10-20-10-2' {WAREHOUSE}",
-    "layout warehouse:10-20-10-2-1-1": WAREHOUSE,
     "layout warehouse:1-1-1-1-x": f"'1-1-1-1-x' {WAREHOUSE}",
     f"layout warehouse:1-1-1-1-{'9' * 5000}": "'1-1-1-1-9999",
     "layout --check missing.txt": "missing.txt: No such file or directory",
-    "layout missing.txt": "missing.txt: No such file or directory",
     "layout --check bad.txt": "bad.txt: row 1, column 2: 'x' is not a tile",
     "grade none.py": "agent file none.py: there is no such file",
     "grade none.zip:Agent": "agent file none.zip: there is no such file",
@@ -190,13 +163,9 @@ IMPOSSIBLE = {
     "report r.html": "r.html: this is the file of results; save the page under another name",
     "sweep --set battery": "'battery' has no value; write NAME=VALUE",
     "sweep --set battery=": "battery is ''; allowed: a whole number 1..",
-    "sweep --set battery=1:2": "battery is '1:2'; allowed: a whole number 1..",
-    "sweep --set battery=nan": "battery is nan; allowed: a whole number 1..",
-    "sweep --set battery=1,,2": "battery is ''; allowed: a whole number 1..",
     f"sweep --set battery={'9' * 5000}": "battery is inf; allowed: a whole number 1..",
     "sweep --set density=nan:inf:1": "density.from is not within -1000000000..1000000000",
     "sweep --set escape=1": "escape is 1; allowed: true or false",
-    "sweep --set =3": "no setting is called ''; allowed: robots, planner",
     "sweep --set batery=3": "no setting is called 'batery'; allowed: robots, planner",
     "sweep --set battery=1 --set battery=2": "battery is given twice; write battery=VALUE,VALUE",
     "sweep --preset batery": "no preset is called 'batery'; allowed: escape",
@@ -308,20 +277,15 @@ def test_options_that_do_not_fit_are_refused_before_any_work(
     assert message in refused(*line.split(), code=code)
 
 
-def test_the_limits_of_numbers_are_those_of_the_table() -> None:
-    limits: dict[str, set[tuple[float, float]]] = {}
+def test_the_limits_of_numbers_are_allowed() -> None:
     for name, leaf in LEAVES.items():
         for parameter in leaf.params:
-            option, pair = parameter.opts[0], limits_of(parameter)
-            if pair is not None:
-                limits.setdefault(option, set()).add(pair)
-                for value in pair:
-                    words = [*ARGUMENTS.get(name, ()), option, str(value)]
-                    # This raises if a limit is refused. Other tests check the help of the option.
-                    leaf.make_context(name, words, help_option_names=[*HELP])
-            else:
-                assert parameter.type_descriptor.annotation not in (int, float), option
-    assert limits == LIMITS
+            option, limits = parameter.opts[0], limits_of(parameter)
+            assert limits or parameter.type_descriptor.annotation not in (int, float), option
+            for value in limits or ():
+                words = [*ARGUMENTS.get(name, ()), option, str(value)]
+                # This raises if a limit is refused. Other tests check the help of the option.
+                leaf.make_context(name, words, help_option_names=[*HELP])
 
 
 @each_command

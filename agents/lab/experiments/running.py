@@ -63,7 +63,7 @@ def paced(episodes: int, seconds: float) -> int:
     return max(1, min(round(wanted), 4 * episodes, MAX_TASK_EPISODES))
 
 
-class Queue:
+class TaskQueue:
     """The remaining tasks of a plan, and the number of failures of each case."""
 
     def __init__(self, plan: SweepPlan, store: Store) -> None:
@@ -134,7 +134,7 @@ def run_missing(
         ...     store.count(plan.cases[0], plan.seeds)
         3
     """
-    queue, running = Queue(plan, store), dict[Future[Done], WorkerTask]()
+    queue, running = TaskQueue(plan, store), dict[Future[Done], WorkerTask]()
     while True:
         while len(running) < TASKS_PER_WORKER * workers and (task := queue.take()):
             running[executor.submit(run_task, task.case, task.seeds)] = task

@@ -15,23 +15,18 @@ from warehouse_core.render.atlas import (
     ROBOT_CODES,
     SHELVES,
     SLIPPERY,
-    UNSEEN,
     WAITING_ITEM,
     atlas,
 )
 from warehouse_core.render.painter import TilePainter, bar, codes_of, layout_codes, tile_pixels_for
 from warehouse_core.render.palette import (
     BATTERY,
-    BOARD,
     COLORS,
     FAINT,
     ICE,
     ICE_WAVE,
     INK,
-    LOOK,
     PAPER,
-    SHELF,
-    UNKNOWN,
     WARNING,
 )
 from warehouse_core.world.tiles import CELL_CODES
@@ -39,12 +34,6 @@ from warehouse_core.world.tiles import CELL_CODES
 YARD = Layout(["#####", "#P.D#", "#.PC#", "#####"])
 SIDES = (2, 3, 9, 10, 15, 16, 20, 40)
 WITH_LETTERS = tuple(side for side in SIDES if side >= 16)
-
-
-def pixel(tile: str, robot: str, x: float, y: float, side: int = 40) -> NDArray[np.uint8]:
-    """Return the pixel at a place in a cell, given in cells."""
-    picture: NDArray[np.uint8] = atlas(side)[CODES[tile, robot], int(y * side), int(x * side)]
-    return picture
 
 
 def where(image: NDArray[np.uint8], color: tuple[float, float, float]) -> NDArray[np.bool_]:
@@ -78,26 +67,6 @@ def test_an_unknown_code_raises(code: int) -> None:
 # Cells.
 
 
-@pytest.mark.parametrize("tile", ["P", "D", "C"])
-def test_a_station_is_a_square_inset_in_the_floor(tile: str) -> None:
-    image = atlas(100)[CODES[tile, NO_ROBOT]]
-    square = where(image, COLORS[tile]) | where(image, INK)
-    assert square[6:94, 94 // 2 :].any(axis=1).all()
-    rows, columns = np.flatnonzero(square.any(axis=1)), np.flatnonzero(square.any(axis=0))
-    assert (rows[0], rows[-1], columns[0], columns[-1]) == (6, 93, 6, 93)
-    assert where(image[94:, 1:], COLORS["."]).all()
-    assert where(image[1:, 94:], COLORS["."]).all()
-
-
-@pytest.mark.parametrize("robot", ["R", "r"])
-def test_a_robot_has_the_radius_and_the_rim_of_the_look(robot: str) -> None:
-    radius, rim = LOOK["robot"]["radius"], LOOK["robot"]["rim"]
-    image = atlas(100)[CODES[".", robot]]
-    for color, share in ((INK, radius + rim / 2), (COLORS[robot], radius - rim / 2)):
-        first = np.flatnonzero(where(image[50], color))[0]
-        assert first == pytest.approx(50 - 100 * share, abs=1)
-
-
 @pytest.mark.parametrize("side", WITH_LETTERS)
 def test_stations_have_a_letter_in_the_top_left_corner(side: int) -> None:
     for tile in "PDC":
@@ -112,22 +81,6 @@ def test_stations_have_a_letter_in_the_top_left_corner(side: int) -> None:
         assert outline[0].max() > rows.max(), "a letter has a dark outline"
 
 
-@pytest.mark.parametrize("side", WITH_LETTERS)
-@pytest.mark.parametrize(
-    ("robot", "color"), [("R", PAPER), ("r", INK), ("O", PAPER), ("o", INK), ("H", PAPER)]
-)
-def test_robots_have_their_letter_in_the_middle(
-    side: int, robot: str, color: tuple[float, float, float]
-) -> None:
-    image = atlas(side)[CODES[".", robot]]
-    middle = slice(round(0.25 * side), side - round(0.25 * side))
-    rows, columns = np.nonzero(where(image[middle, middle], color))
-    extent = middle.stop - middle.start
-    assert rows.min() + rows.max() + 1 == pytest.approx(extent, abs=1)
-    assert columns.min() + columns.max() + 1 == pytest.approx(extent, abs=0.1 * side)
-    assert rows.max() - rows.min() + 1 >= 0.2 * side
-
-
 @pytest.mark.parametrize("side", SIDES)
 def test_any_two_cells_have_different_colours(side: int) -> None:
     tiles = atlas(side).astype(int)
@@ -135,41 +88,6 @@ def test_any_two_cells_have_different_colours(side: int) -> None:
     for one, other in itertools.combinations(known, 2):
         differences = np.abs(tiles[one] - tiles[other]).mean(axis=(0, 1))
         assert differences.max() > 15, (CELLS[one], CELLS[other])
-
-
-def test_unseen_cells_are_hatched_grey_without_seams() -> None:
-    tile = atlas(40)[CODES[UNSEEN, NO_ROBOT]]
-    assert where(tile, UNKNOWN).mean() > 0.5
-    assert len(np.unique(tile.reshape(-1, 3), axis=0)) > 1
-    for axis in (0, 1):
-        assert np.array_equal(np.roll(tile, 20, axis), tile)
-    assert np.ptp(tile.astype(int), axis=-1).max() <= 12
-
-
-# Walls.
-
-
-def test_walls_inside_a_border_are_shelves_and_the_border_is_a_band() -> None:
-    layout = Layout(["#####", "#.#P#", "#..D#", "#####"])
-    picture = TilePainter(40).picture(layout, (1, 1), loaded=False)
-    for row, col in itertools.product(range(4), range(5)):
-        if layout.rows[row][col] != "#":
-            continue
-        tile = picture[40 * row : 40 * row + 40, 40 * col : 40 * col + 40]
-        walls = where(tile, COLORS["#"])
-        is_corner = row in (0, 3) and col in (0, 4)
-        share = 0.0 if (row, col) == (1, 2) else 0.09 if is_corner else 0.3
-        assert walls.mean() == share, (row, col)
-        assert (where(tile, PAPER) | walls).all() == (share > 0)
-    # The band is next to the inside.
-    assert where(picture[28:40, 28:172], COLORS["#"]).all()
-    assert where(picture[120:132, 28:172], COLORS["#"]).all()
-    assert where(picture[28:132, 28:40], COLORS["#"]).all()
-    assert where(picture[28:132, 160:172], COLORS["#"]).all()
-    shelf = picture[40:80, 80:120]
-    boards = np.flatnonzero(where(shelf, BOARD)[:, 20])
-    assert boards.tolist() == [12, 13, 14, 25, 26, 27]
-    assert where(shelf[:, :4], SHELF).all(), "boards end before the sides"
 
 
 @pytest.mark.parametrize("rows", [["##", "##"], ["#.#"], ["###", "#..", "###"]])

@@ -1,27 +1,19 @@
 """The pixels and texts of a fleet's scene."""
 
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
 from helpers.fleets import SHELVES, fleet_episode
-from helpers.pictures import count_color, is_color, patch, pixels, point_of, replay_of, texts
+from helpers.pictures import count_color, patch, pixels, replay_of, texts
 from PIL import Image
 
 from warehouse_core import FleetEpisode, Layout, save_frames_to_svg, shelf_layout
 from warehouse_core.render.palette import (
     COLORS,
-    INK,
-    LOOK,
-    ORDER_COLORS,
     PAPER,
 )
-from warehouse_core.viz.replay import Replay, replay_of_tracks
-from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track, Waiting
-
-FEW = LOOK["battery"]["few"]
-FLOOR = Layout(["......", ".P....", "......", "......"])
+from warehouse_core.viz.replay import replay_of_tracks
+from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track
 
 
 @pytest.fixture(scope="module")
@@ -29,46 +21,15 @@ def episode() -> FleetEpisode:
     return fleet_episode()
 
 
-def drawn(
-    *robots: Pose,
-    people: tuple[Pose, ...] = (),
-    waiting: tuple[Waiting, ...] = (),
-    items: tuple[int | None, ...] | None = None,
-    battery: tuple[float, ...] | None = None,
-    rows: tuple[str, ...] = FLOOR.rows,
-) -> tuple[Replay, Any]:
-    """Return the replay of a frame of a fleet, by default on ``FLOOR``, and its pixels."""
-    count = len(robots)
-    fleet = FleetFrame(waiting, items or (None,) * count, battery or (1.0,) * count)
-    frame = Frame(rows, (*robots, *people), 0.0, fleet=fleet)
-    replay = replay_of_tracks(Track([frame], {}), window=False)
-    return replay, pixels(replay)
-
-
-def at(row: int, col: int, *, loaded: bool = False) -> Pose:
-    return Pose((col + 0.5, row + 0.5), 0.0, loaded)
-
-
-def test_a_robot_has_its_number_and_a_loaded_one_its_item() -> None:
-    replay, image = drawn(at(0, 0), at(2, 2, loaded=True), items=(None, 1))
-    empty, loaded = (patch(replay, image, x + 0.3, x + 0.3, x + 0.7, x + 0.7) for x in (0, 2))
-    assert count_color(empty, PAPER) > 20
-    assert count_color(loaded, INK) > 20 > count_color(loaded, PAPER)
-    for x, sign in ((0, "R"), (2, "r")):
-        assert is_color(image[point_of(replay, x + 0.25, x + 0.5)], COLORS[sign])
-    corner = (2.65, 2.15, 2.9, 2.35)
-    assert count_color(patch(replay, image, *corner), ORDER_COLORS[1]) > 20
-    assert count_color(patch(replay, image, 0.6, 0.1, 0.9, 0.35), ORDER_COLORS[1]) == 0
-    one, two = (patch(replay, image, x + 0.3, x + 0.3, x + 0.7, x + 0.7) for x in (0, 2))
-    assert not np.array_equal(one, two)
-
-
 @pytest.mark.parametrize(
     ("robots", "side", "legible"), [(1, 6, True), (50, 40, True), (9, 200, False)]
 )
 def test_numbers_are_drawn_if_they_are_legible(robots: int, side: int, legible: bool) -> None:
-    places = [at(0, robot % side) for robot in range(robots)]
-    replay, image = drawn(*places, rows=("." * side,) * 4)
+    poses = tuple(Pose((robot % side + 0.5, 0.5), 0.0, False) for robot in range(robots))
+    fleet = FleetFrame((), (None,) * robots, (1.0,) * robots)
+    track = Track([Frame(("." * side,) * 4, poses, 0.0, fleet=fleet)], {})
+    replay = replay_of_tracks(track, window=False)
+    image = pixels(replay)
     # A line of pixels at the edge of the floor may be paper.
     row = patch(replay, image, 0.2, 0.2, min(robots, side) - 0.2, 0.8)
     assert (count_color(row, PAPER) > 5 * robots) == legible

@@ -3,16 +3,13 @@
 import dataclasses
 from typing import Any
 
-import numpy as np
 import pytest
 from helpers.fleets import fleet_episode
 from helpers.pictures import (
     ROOM,
     count_color,
-    is_color,
     patch,
     pixels,
-    point_of,
     replay_of,
     short_episode,
     texts,
@@ -23,80 +20,13 @@ from warehouse_core.motion.base import Contact
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import (
     COLORS,
-    ICE,
-    ICE_WAVE,
-    INK,
-    ITEM,
-    PAPER,
-    SHADOW,
-    blend,
 )  # fmt: skip
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.legend import signs_of
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
 
 BARE = ["#####", "#P.D#", "#..R#", "#####"]
-
-
-def frames_at(*cells: tuple[int, int], robot: str = "R") -> list[list[list[str]]]:
-    """Return frames of ``ROOM`` with the robot in these cells."""
-    frames = []
-    for row, column in cells:
-        frame = [list(line) for line in ROOM.rows]
-        frame[row][column] = robot
-        frames.append(frame)
-    return frames
-
-
-# The grid.
-
-
-def test_a_tile_has_its_colour_in_the_middle_and_at_the_edge_and_its_letter() -> None:
-    replay = replay_of([[*BARE[:2], "#C.R#", "#####"]])
-    image = pixels(replay)
-    for tile, row, column in (("P", 1, 1), (".", 1, 2), ("C", 2, 1), ("D", 1, 3)):
-        for right, down in ((0.45, 0.5), (0.9, 0.4), (0.4, 0.9), (0.1, 0.9)):
-            pixel = image[point_of(replay, column + right, row + down)]
-            assert is_color(pixel, COLORS[tile]), (tile, right, down)
-        corner = patch(replay, image, column + 0.05, row + 0.05, column + 0.4, row + 0.4)
-        assert (count_color(corner, INK) > 10) == (tile != "."), tile
-
-
-@pytest.mark.parametrize(("robot", "ink"), [("R", PAPER), ("r", INK)])
-def test_the_robot_is_a_disc_with_its_letter_and_its_item(
-    robot: str, ink: tuple[float, float, float]
-) -> None:
-    replay = replay_of(frames_at((2, 2), robot=robot))
-    image = pixels(replay)
-    for right, down in ((0.25, 0.5), (0.75, 0.5), (0.5, 0.26), (0.5, 0.74)):
-        assert is_color(image[point_of(replay, 2 + right, 2 + down)], COLORS[robot])
-    assert count_color(patch(replay, image, 2.38, 2.36, 2.62, 2.64), ink) > 20
-    items = count_color(patch(replay, image, 2.2, 2.2, 2.8, 2.8), ITEM)
-    assert items > 100 if robot == "r" else items == 0
-
-
-def test_everything_around_the_view_is_shaded() -> None:
-    env = WarehouseEnv(["...........", "P.........D"], start_pos=(0, 5), view_radius=1)
-    recorder = EpisodeRecorder(env)
-    recorder.step("E")
-    settings = dataclasses.replace(recorder.episode.settings, slippery=((0, 7),))
-    episode = dataclasses.replace(recorder.episode, settings=settings)
-    replay = replay_of(episode)
-    for frame, seen in ((0, [4, 5, 6]), (1, [5, 6, 7])):
-        replay.go_to(frame)
-        image = pixels(replay)
-        for x in range(11):
-            tile = ICE if x == 7 else COLORS["P.D"[(x > 0) + (x == 10)]]
-            y = 0.1 if x == 7 else 1.2
-            color = tile if x in seen else blend(tile, INK, SHADOW)
-            pixel = image[point_of(replay, x + 0.5, y)]
-            np.testing.assert_allclose(pixel, 255 * np.array(color), atol=1.5, err_msg=str(x))
-        waves = count_color(patch(replay, image, 7.1, 0.1, 7.9, 0.9), ICE_WAVE)
-        assert (waves > 5) == (7 in seen)
-    signs = signs_of(track_of_record(episode))
-    assert {"slippery floor", "outside the robot's view"} <= {*signs}
 
 
 def test_the_action_and_its_reason_are_the_largest_words() -> None:
@@ -112,15 +42,6 @@ def test_the_action_and_its_reason_are_the_largest_words() -> None:
     others = [text for axes in replay.figure.axes for text in axes.texts]
     sizes = [text.get_fontsize() for text in (*replay.figure.texts, *others) if text is not said]
     assert said.get_fontsize() > 1.3 * max(sizes)
-
-
-def test_tiles_and_the_robot_may_come_and_go() -> None:
-    replay = replay_of([["...", ".P."], ["R..", ".D."]])
-    for frame, robot, tile in ((0, ".", "P"), (1, "R", "D"), (0, ".", "P")):
-        replay.go_to(frame)
-        image = pixels(replay)
-        assert is_color(image[point_of(replay, 0.75, 0.5)], COLORS[robot])
-        assert is_color(image[point_of(replay, 1.45, 1.5)], COLORS[tile])
 
 
 @pytest.mark.parametrize(("height", "width"), [(1, 1), (1, 120), (120, 1), (60, 60)])
@@ -162,12 +83,6 @@ def test_the_legend_has_what_is_in_the_picture_and_nothing_else() -> None:
     bump = short_episode().motions[0]._replace(contacts=(Contact(0.1, 2.0, (2.5, 1.0), "wall"),))
     words = legend_of(short_episode(motions=[bump, *short_episode().motions[1:]]))
     assert {"hit", "outside the robot's view", "trail, empty", "R robot (empty)"} <= {*words}
-
-
-# The charts.
-
-
-# The battery.
 
 
 # Tracks that grow.

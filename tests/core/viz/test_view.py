@@ -4,10 +4,9 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 import pytest
 
-from warehouse_core.records.plans import StepPlans
+from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.render.palette import (
     BATTERY,
     BRAKE,
@@ -17,15 +16,12 @@ from warehouse_core.render.palette import (
     INK,
     ITEM,
     LOOK,
-    ORDER_COLORS,
     PAPER,
     SKID,
     STRANDED,
     VELOCITY,
     VISITED,
     WARNING,
-    blend,
-    faded_trail,
 )
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.tracks.track import (
@@ -36,12 +32,11 @@ from warehouse_core.viz.tracks.track import (
     Pose,
     Push,
     Track,
-    Waiting,
 )
-from warehouse_core.viz.view import DOTS, FADE_STEPS, GHOST, MAX_FADE, View
+from warehouse_core.viz.view import DOTS, GHOST, View
 
 FLOOR = ("......",) * 5
-EAST, SOUTH, WEST, NORTH = (math.pi / 2 * quarter for quarter in range(4))
+EAST, NORTH = 0.0, -math.pi / 2
 RADIUS, FEW = LOOK["robot"]["radius"], LOOK["battery"]["few"]
 LINES = LOOK["lines"]
 
@@ -60,27 +55,9 @@ def view_of(*frames: Frame, show: int = -1, cell_points: float = 40.0, **others:
     return view
 
 
-def robot_view(
-    *poses: Pose | None, rows: Sequence[str] = FLOOR, part: float = 1.0, **o: Any
-) -> Any:
-    """Return the view of a robot in a step, by default the last; a step may have parts."""
-    frames = [Frame(tuple(rows), (pose,), step * part) for step, pose in enumerate(poses)]
-    return view_of(*frames, **o)
-
-
-def fleet_view(
-    *robots: Pose,
-    people: tuple[Pose, ...] = (),
-    cell_points: float = 40.0,
-    waiting: tuple[Waiting, ...] = (),
-    items: tuple[int | None, ...] = (),
-    battery: tuple[float, ...] = (),
-    plans: StepPlans | None = None,
-) -> Any:
-    """Return the view of a frame of a fleet."""
-    none, full = (None,) * len(robots), (1.0,) * len(robots)
-    fleet = FleetFrame(waiting, items or none, battery or full, *([plans] if plans else []))
-    return view_of(Frame(FLOOR, (*robots, *people), 0.0, fleet=fleet), cell_points=cell_points)
+def robot_view(*poses: Pose | None, rows: tuple[str, ...] = FLOOR, **others: Any) -> Any:
+    """Return the view of a robot in a step, by default the last."""
+    return view_of(*(Frame(rows, (pose,), float(n)) for n, pose in enumerate(poses)), **others)
 
 
 def shapes(view: Any, **wanted: Any) -> list[Any]:
@@ -99,15 +76,16 @@ def middles(found: Sequence[Any]) -> list[tuple[float, float]]:
     return [((left + right) / 2, (top + low) / 2) for left, top, right, low in boxes(found)]
 
 
-def test_robots_of_a_fleet_are_numbered_discs_in_the_middle_and_people_diamonds() -> None:
-    view = fleet_view(at(1, 4), at(3, 0.25), people=(at(2, 2),))
-    discs = shapes(view, fill=COLORS["R"])
-    assert middles(discs) == [pytest.approx((4.5, 1.5)), pytest.approx((0.75, 3.5))]
-    _, person, numbers = (shape.path.to_polygons() for shape in shapes(view, fill=PAPER)[:3])
-    assert len(person) == 1 < len(numbers)
-    [(left, top, right, bottom)] = boxes(shapes(view, fill=COLORS["H"]))
-    assert (left + right, top + bottom) == pytest.approx((5, 5))
-    assert right - left == pytest.approx(bottom - top) == pytest.approx(0.72)
+def fleet_view(
+    *robots: Pose,
+    battery: Sequence[float] = (),
+    plans: StepPlans = NO_PLANS,
+    cell_points: float = 40.0,
+) -> Any:
+    """Return the view of a frame of a fleet without items."""
+    levels = tuple(battery) or (1.0,) * len(robots)
+    fleet = FleetFrame((), (None,) * len(robots), levels, plans)
+    return view_of(Frame(FLOOR, robots, 0.0, fleet=fleet), cell_points=cell_points)
 
 
 @pytest.mark.parametrize(
@@ -150,40 +128,6 @@ def test_a_large_fleet_has_bars_below_robots_with_low_batteries_alone() -> None:
     lefts = [left for left, *_ in boxes(shapes(view, fill=WARNING))]
     assert lefts == pytest.approx([0.5 - RADIUS, 2.5 - RADIUS])
     assert not shapes(view, fill=BATTERY)
-
-
-def test_items_are_squares_in_the_upper_right_of_their_robots() -> None:
-    view = fleet_view(at(1, 1), at(2, 3, loaded=True), at(4, 4, loaded=True), items=(None, 0, 3))
-    for (x, y), age in (((3.5, 2.5), 0), ((4.5, 4.5), 3)):
-        [item] = shapes(view, fill=ORDER_COLORS[age])
-        [(left, top, right, bottom)] = boxes([item])
-        assert x < left < right < x + 0.5
-        assert y - 0.5 < top < bottom < y
-        assert right - left == pytest.approx(bottom - top)
-        assert item.line == (PAPER if age == 3 else INK)
-
-
-def test_the_number_of_orders_is_in_the_lower_right_of_their_pickup() -> None:
-    waiting = (Waiting((2.5, 1.5), 7, 1), Waiting((4.5, 3.5), 12, 3))
-    view = fleet_view(at(0, 0), waiting=waiting)
-    for (x, y), _, age in waiting:
-        [(left, top, right, bottom)] = boxes(shapes(view, fill=ORDER_COLORS[age]))
-        assert x - 0.2 < left < right < x + 0.7
-        assert y < top < bottom < y + 0.6
-
-
-@pytest.mark.parametrize(
-    ("heading", "ahead"),
-    [(EAST, (1, 0)), (SOUTH, (0, 1)), (WEST, (-1, 0)), (NORTH, (0, -1))],
-)
-def test_a_nose_is_a_wedge_ahead_of_its_robot(heading: float, ahead: tuple[int, int]) -> None:
-    for view in (fleet_view(at(2, 3, heading), at(0, 0, None)), robot_view(at(2, 3, heading))):
-        nose = next(s for s in shapes(view, fill=INK, line=None) if len(s.path.vertices) == 4)
-        ways = np.asarray(nose.path.vertices)[:3] - (3.5, 2.5)
-        tip, *base = sorted(ways @ ahead, reverse=True)
-        assert tip == pytest.approx(0.48)
-        assert all(0.2 < each < RADIUS for each in base), "its foot begins under the disc"
-        assert abs(ways @ (-ahead[1], ahead[0])).max() == pytest.approx(0.16)
 
 
 def test_a_lone_robot_is_a_disc_with_a_letter_that_may_be_gone() -> None:
@@ -259,13 +203,6 @@ def test_small_bodies_are_discs() -> None:
     assert (right - left, bottom - top) == pytest.approx((2 * 5 / 12, 2 * 5 / 12))
 
 
-def test_a_burst_has_the_size_of_its_hit() -> None:
-    hits = DrawnHit((1.5, 1.5), "", size=1.0), DrawnHit((3.5, 1.5), "", size=1.6)
-    stars = boxes(shapes(view_of(Frame(FLOOR, (at(0, 0),), 0.0, hits=hits)), fill=HIT))
-    one, other = (right - left for left, _, right, _ in stars)
-    assert other == pytest.approx(1.6 * one)
-
-
 def test_a_ghost_is_a_dashed_circle_where_the_other_robot_is() -> None:
     view = body_view(None, None, ghost=[(0.5, 0.5), (4.5, 1.5)])
     [ghost] = [shape for shape in shapes(view, fill=None, line=INK) if shape.dashes == GHOST]
@@ -295,21 +232,6 @@ def test_cells_are_tinted_by_the_visits_of_the_robot() -> None:
     assert not shapes(robot_view(*course, rows=("PD",)), fill=VISITED[1])
 
 
-def test_a_trail_has_a_piece_for_each_load_and_a_leg_for_the_step_in_progress() -> None:
-    course = [at(0, 0), at(0, 1), at(0, 2, loaded=True), at(1, 2, loaded=True)]
-    view = robot_view(*course)
-    empty, loaded = (shapes(view, line=faded_trail(each, 0.0)) for each in (False, True))
-    assert [s.path.vertices.tolist() for s in empty] == [[[0.5, 0.5], [1.5, 0.5], [2.5, 0.5]]]
-    assert [s.path.vertices.tolist() for s in loaded if len(s.path) > 1] == [
-        [[2.5, 0.5], [2.5, 1.5]]
-    ]
-    assert loaded[0].dashes
-    assert not empty[0].dashes
-    halves = robot_view(at(0, 0), at(0, 0.5), at(0, 1), at(0, 1.5), part=0.5)
-    leg = shapes(halves, line=faded_trail(False, 0.0))[-1]
-    assert leg.path.vertices.tolist() == [[1.5, 0.5], [2, 0.5]]
-
-
 def test_the_view_of_a_lone_robot_alone_is_shown() -> None:
     for robots, radius, count in ((1, 1, 2), (1, None, 0), (2, 1, 0)):
         view = view_of(Frame(FLOOR, (at(2, 3),) * robots, 0.0), view_radius=radius)
@@ -336,30 +258,14 @@ def test_stations_are_enlarged_on_cells_that_are_too_small_for_them() -> None:
     assert [shape.fill for shape in small] == [COLORS[tile] for tile in "PDC"]
 
 
-def test_a_planned_way_is_drawn_from_point_to_point() -> None:
-    ways = ((0.5, 0.5), (1.5, 0.5), (1.5, 2.5)), ((2.5, 2.5), (3.5, 2.5)), ()
-    frames = [Frame(FLOOR, (at(0, 0),), float(step), route=way) for step, way in enumerate(ways)]
-    view = view_of(*frames)
-    for number, way in enumerate(ways):
-        view.show(frames, number)
-        found = [s.path.vertices.tolist() for s in shapes(view, line=INK, dashes=DOTS)]
-        assert found == [[[*point] for point in way]] * bool(way)
-
-
-def test_plans_of_a_fleet_fade_and_go_on_as_dots_and_pushers_have_arrows() -> None:
-    way = tuple((0, col) for col in range(4))
-    plans = StepPlans({0: way}, {0: ((0, 3), (1, 3), (1, 3))}, {1: 0})
+def test_plans_of_a_fleet_go_on_as_dots_and_pushers_have_arrows() -> None:
+    path = tuple((0, col) for col in range(4))
+    plans = StepPlans({0: path}, {0: ((0, 3), (1, 3), (1, 3))}, {1: 0})
     view = fleet_view(at(0, 0, None), at(2, 0, None), plans=plans)
-    legs = [s for s in shapes(view, fill=None) if s.width == LINES["plan"]]
-    assert [s.path.vertices.tolist() for s in legs] == [
-        [[col + 0.5, 0.5], [col + 1.5, 0.5]] for col in range(3)
-    ]
-    for time, leg in enumerate(legs):
-        assert leg.line == blend(COLORS["R"], COLORS["."], time / FADE_STEPS * MAX_FADE)
-    [wish] = shapes(view, width=LINES["wish"])
+    legs = [s.path.vertices.tolist() for s in shapes(view, fill=None, width=LINES["plan"])]
+    assert legs == [[[col + 0.5, 0.5], [col + 1.5, 0.5]] for col in range(3)]
+    [wish] = shapes(view, width=LINES["wish"], dashes=DOTS)
     assert wish.path.vertices.tolist() == [[3.5, 0.5], [3.5, 1.5]]
-    assert wish.dashes == DOTS
-    assert wish.line == blend(COLORS["R"], COLORS["."], 3 / FADE_STEPS * MAX_FADE)
     [(left, top, right, bottom)] = boxes(shapes(view, fill=INK, line=PAPER))
     assert left < 0.5 < right
     assert 1.2 < top < 1.5 < bottom == pytest.approx(1.8), "it points down"

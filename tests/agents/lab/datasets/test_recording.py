@@ -23,8 +23,6 @@ from warehouse_core import (
     WarehouseEnv,
 )
 from warehouse_core.records import FleetRecorder
-from warehouse_core.render.palette import COLORS
-from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED
 
 ROOM = Layout(["######", "#PP.D#", "#.C..#", "######"])
 ACTIONS = ["N", "W", "PICK", "E", "E", "E", "DROP"]
@@ -159,36 +157,6 @@ def test_an_episode_is_opened_again(tmp_path: Path, backend: str) -> None:
     assert about == {
         "agent": "by hand", "backend": backend, "seed": "1", "outcome": "delivered"
     }  # fmt: skip
-
-
-def test_a_robot_changes_its_colour_with_its_load(tmp_path: Path) -> None:
-    messages, *_ = saved(tmp_path, lone("grid"))
-    shown = [(time, message["entities"][0]) for time, message in messages["/bodies"]]
-    colors = [entity["cylinders"][0]["color"] for _, entity in shown]
-    assert [time // 10**9 for time, _ in shown] == [0, 3, 7]
-    tiles = [ROBOT_EMPTY, ROBOT_LOADED, ROBOT_EMPTY]
-    assert [(color["r"], color["g"], color["b"]) for color in colors] == [COLORS[t] for t in tiles]
-    assert {(entity["frame_id"], entity["id"], entity["frame_locked"]) for _, entity in shown} == {
-        ("robot_0", "robot_0", True)
-    }
-
-
-def test_the_layout_is_drawn_cell_by_cell_on_a_floor(tmp_path: Path) -> None:
-    messages, *_ = saved(tmp_path, lone("grid"))
-    ((time, scene),) = messages["/layout"]
-    (entity,) = scene["entities"]
-    floor, *boxes = entity["cubes"]
-    assert (time, entity["frame_id"], entity["lifetime"]) == (0, "warehouse", {"sec": 0, "nsec": 0})
-    assert [floor["size"][axis] for axis in "xy"] == [6, 4]
-    assert [floor["pose"]["position"][axis] for axis in "xy"] == [3, -2]
-    drawn = [["."] * 6 for _ in range(4)]
-    tile_of = {color: tile for tile, color in COLORS.items()}
-    for box in boxes:
-        at, size, color = box["pose"]["position"], box["size"], box["color"]
-        assert at["z"] == pytest.approx(size["z"] / 2)
-        for col in range(round(at["x"] - size["x"] / 2), round(at["x"] + size["x"] / 2)):
-            drawn[round(-at["y"] - 0.5)][col] = tile_of[color["r"], color["g"], color["b"]]
-    assert ["".join(row) for row in drawn] == list(ROOM.rows)
 
 
 @pytest.mark.parametrize("backend", ["grid", "physics"])

@@ -87,19 +87,6 @@ def test_the_ordered_factor_with_the_most_values_is_on_the_axis() -> None:
     assert roles() == [None, None, None]
 
 
-def test_points_and_their_intervals_are_at_the_values_of_the_data(experiment: Experiment) -> None:
-    [axes] = draw(experiment).axes
-    (first_x, first_y), (second_x, second_y) = middles(axes)
-    assert first_y == [0.25, 0.5, 0.75]
-    assert second_y == [0.0, 0.25]
-    assert first_x == pytest.approx([20, 60, 200], abs=2)
-    assert second_x == pytest.approx([20, 200], abs=2)
-    assert first_x[0] < second_x[0]  # so that neither interval hides the other
-    bars = axes.containers[0].lines[2][0].get_segments()
-    results = experiment.results(1)
-    assert bars[0][:, 1].tolist() == pytest.approx(results.main[1:])
-
-
 def test_a_case_that_does_not_depend_on_the_axis_is_a_horizontal_line() -> None:
     cases = [
         ({"memory": 2}, outcomes("dw")),
@@ -168,21 +155,6 @@ def test_names_neither_overlap_nor_leave_the_figure_and_are_not_formulas(
             below = legend.get_window_extent()
             title = figure._suptitle.get_window_extent()  # type: ignore[attr-defined]
             assert title.y0 > below.y1 > below.y0 > figure.axes[0].get_window_extent().y1
-
-
-def test_stacked_bars_add_up_to_1(experiment: Experiment) -> None:
-    on, off = draw(experiment, modes=True).axes
-    assert (on.get_title(loc="left"), off.get_title(loc="left")) == ("escape on", "escape off")
-    heights = [
-        (round(bar.get_x() + 0.4), bar.get_y(), bar.get_height())
-        for group in on.containers
-        for bar in group
-    ]
-    assert heights == [
-        (0, 0, 0.25), (0, 0.25, 0.75), (1, 0, 0.5), (1, 0.5, 0.5), (2, 0, 0.75), (2, 0.75, 0.25),
-    ]  # fmt: skip
-    assert {round(bar.get_x() + 0.4) for group in off.containers for bar in group} == {0, 2}
-    assert [label.get_text() for label in off.get_xticklabels()] == ["20", "60", "200"]
 
 
 def drawn(cases: Cases) -> dict[str, Picture]:

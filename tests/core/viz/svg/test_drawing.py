@@ -4,7 +4,6 @@ import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -14,10 +13,8 @@ from helpers.fleets import fleet_episode
 from helpers.pictures import HOSTILE_NAMES, named, replay_of, short_episode
 
 from agents.lab.commands.run import run_episode
-from warehouse_core import EpisodeRecorder, FleetEpisode, Layout, WarehouseEnv
+from warehouse_core import FleetEpisode, Layout
 from warehouse_core.errors import FormatError
-from warehouse_core.records.plans import StepPlans
-from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.viz.svg import animated_svg, drawing
 from warehouse_core.viz.svg.drawing import REST_SECONDS
 from warehouse_core.viz.tracks.history import skids_of
@@ -26,7 +23,6 @@ from warehouse_core.viz.tracks.track import (
     CONTINUOUS_FRAMES,
     INTERVAL_MS,
     Frame,
-    Marks,
     Pose,
     Push,
     Track,
@@ -170,15 +166,6 @@ def test_robots_of_a_fleet_have_their_places_numbers_and_orders_in_each_frame() 
     assert any(frame.fleet and frame.fleet.waiting for frame in track.frames)
 
 
-@pytest.mark.parametrize(("robots", "size"), [(1, 37), (10, 37), (11, 34), (101, 23)])
-def test_all_numbers_of_a_fleet_are_as_large_as_the_longest_can_be(robots: int, size: int) -> None:
-    layout = Layout(["." * 21] * 7)
-    episode = fleet_episode(layout=layout, robots=robots, people=0, orders=None, max_steps=1)
-    shown = Drawing(track_of_record(episode)).shown(0)
-    sizes = {each.text: a.get("font-size") for each, a in shown if each.tag == f"{SVG}text"}
-    assert {sizes[str(robot)] for robot in range(robots)} == {str(size)}
-
-
 def test_an_empty_battery_and_a_low_one_are_told() -> None:
     track = track_of_record(fleet_episode(max_steps=40, battery=12))
     shown, last = Drawing(track), len(track) - 1
@@ -210,61 +197,6 @@ def test_a_robot_that_is_not_there_yet_is_not_seen() -> None:
     assert [len(places(shown, number, "robot")) for number in range(3)] == [0, 1, 1]
 
 
-def test_hits_plans_and_pushes_are_seen_only_in_their_frames() -> None:
-    track = track_of_record(fleet_episode(max_steps=4))
-    fleet = track.frames[2].fleet
-    assert fleet is not None
-    plans = StepPlans({0: [(1, 1), (1, 2)]}, {0: [(1, 2), (1, 3)]}, {0: 1})
-    track.frames[2].fleet = fleet._replace(plans=plans)
-    shown = Drawing(track)
-    looks = ("plan of-ink", "plan dots of-ink", "rim of-light")
-    seen = [classes(shown, number) for number in range(len(track))]
-    counts = [[found.count(look) for look in looks] for found in seen]
-    assert counts == [[0, 0, 0], [0, 0, 0], [1, 1, 1], [0, 0, 0], [0, 0, 0]]
-    pushed, pusher = (pose.at for pose in track.frames[2].robots[:2] if pose is not None)
-    [arrow] = [a["at"] for _, a in shown.shown(2) if a.get("class") == "rim of-light"]
-    middle = [50 * sum(pair) for pair in zip(pushed, pusher, strict=True)]
-    assert arrow[-1][:2] == pytest.approx(middle, abs=0.5)
-    bumps = Drawing(track_of_record(short_episode()))
-    stars = [classes(bumps, number).count("hit of-rim") for number in range(7)]
-    assert stars == [len(frame.hits) for frame in track_of_record(short_episode()).frames]
-    assert sum(stars) == 1
-
-
-def test_what_is_not_seen_yet_is_covered_until_it_is_and_a_plan_is_dotted() -> None:
-    rows = ("####", "#P.#", "#..#", "####")
-    hidden = ("####", "#?.#", "#?.#", "####")
-    half = ("####", "#P.#", "#?.#", "####")
-    pose = Pose((2.5, 1.5), None, True)
-    frames = [Frame(tiles, (pose,), float(n)) for n, tiles in enumerate((hidden, half, rows, half))]
-    frames[1].route = ((2.5, 1.5), (1.5, 1.5))
-    shown = Drawing(Track(frames, {}))
-    covered = [
-        "".join(a["d"] for _, a in shown.shown(n) if a.get("class") == "unseen").count("M")
-        for n in range(4)
-    ]
-    assert covered == [sum(line.count(UNSEEN) for line in frame.tiles) for frame in frames]
-    assert classes(shown, 2).count("item of-rim") == 1, "the robot came with it, and none waits"
-    dots = [classes(shown, n).count("plan dots of-ink") for n in range(4)]
-    assert dots == [0, 1, 0, 0]
-
-
-def test_the_marks_of_a_search_come_at_their_times() -> None:
-    rows = ("....", "....")
-    marks = Marks(
-        (0, 1, 1, 2), ((0, 0), (0, 0), (0, 1), (0, 0)), (0, 1, 0, 1),
-        ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), ("red", "blue"), ((0, 0), (1, 3)),
-    )  # fmt: skip
-    frames = [Frame(rows, (), float(n), clock=float(n)) for n in range(3)]
-    shown = Drawing(Track(frames, {}, marks=marks))
-    colors = [
-        {a["fill"]: a["d"].count("M") for _, a in shown.shown(n) if str(a.get("fill"))[0] == "#"}
-        for n in range(3)
-    ]
-    assert colors == [{"#ff0000": 1}, {"#0000ff": 1, "#ff0000": 1}, {"#0000ff": 1, "#ff0000": 1}]
-    assert {"S", "G"} <= {*shown.texts(0)}
-
-
 def test_a_drawing_is_one_safe_file_whatever_is_in_its_names() -> None:
     for name in HOSTILE_NAMES:
         text = animated_svg([track_of_record(named(name))], title=name)
@@ -286,20 +218,6 @@ def test_who_prefers_less_motion_sees_the_frame_of_a_still() -> None:
     assert not tags & {f"{SVG}animate", f"{SVG}animateTransform"}
     words = ["".join(each.itertext()) for each in shown.rests.iter(f"{SVG}text")]
     assert "DELIVERED" in words
-
-
-def test_several_tracks_are_side_by_side_and_then_below_each_other() -> None:
-    track = track_of_record(short_episode())
-    sizes = [
-        _numbers(animated_svg([track] * count).split('viewBox="')[1][:30]) for count in (1, 2, 4, 5)
-    ]
-    (one, two, four, five) = [(width, height) for _, _, width, height, *_ in sizes]
-    assert two[0] > 1.9 * one[0]
-    assert two[1] == one[1]
-    assert four[0] == two[0]
-    assert four[1] > 1.8 * two[1]
-    assert five[0] > 1.3 * four[0], "five are three and two"
-    assert five[1] <= four[1]
 
 
 def test_a_drawing_that_would_be_too_large_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -357,25 +275,6 @@ def test_skid_marks_appear_at_the_end_of_their_step_and_stay() -> None:
     assert len(ends) > 2
     marks = [classes(shown, end).count("of-dark skid") for end in track.ends]
     assert marks == [sum(step <= now for step in ends) for now in range(track.steps + 1)]
-
-
-def test_a_hit_has_the_size_and_the_words_of_its_impulse() -> None:
-    env = WarehouseEnv(backend="physics")
-    env.reset()
-    recorder = EpisodeRecorder(env, seed=None)
-    recorder.step("N")
-    track = track_of_record(recorder.episode)
-    number, [hit] = next((n, frame.hits) for n, frame in enumerate(track.frames) if frame.hits)
-    assert hit.label == "28 N·s"
-    hit = replace(hit, size=1.6)
-    track.frames[number].hits = (hit,)
-    shown = Drawing(track)
-    assert "28 N·s" in shown.texts(number)
-    [words] = [a for each, a in shown.shown(number) if each.text == "28 N·s"]
-    assert float(words["y"]) == pytest.approx(100 * hit.at[1] - 1.6 * 32, abs=1)
-    [star] = [a for _, a in shown.shown(number) if a.get("class") == "hit of-rim"]
-    *_, (x, y, size) = star["at"]
-    assert (x / 100, y / 100, size) == pytest.approx((*hit.at, hit.size), abs=0.01)
 
 
 def test_a_robot_on_the_grid_jumps_and_a_ghost_too() -> None:

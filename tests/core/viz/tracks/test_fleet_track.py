@@ -93,24 +93,6 @@ def test_an_order_is_late_from_the_step_after_its_due_time() -> None:
     assert track.ending == "all delivered"
 
 
-def test_robots_head_where_they_moved_last() -> None:
-    episode = driven([["E"], ["WAIT"], ["W"], ["N"]], orders=None, starts=[(0, 3)])
-    poses = [frame.robots[0] for frame in track_of_record(episode).frames]
-    assert [pose and pose.heading for pose in poses] == [None, 0.0, 0.0, math.pi, math.pi]
-    shelves = fleet_episode(people=0)
-    frames = track_of_record(shelves).frames
-    headings = {pose.heading for frame in frames for pose in frame.robots if pose}
-    assert headings == {None, 0.0, math.pi / 2, math.pi, -math.pi / 2}
-
-
-def test_a_blocked_move_hits_the_edge_of_the_cell() -> None:
-    actions = [["E", "W"], ["WAIT", "N"], ["E", "WAIT"]]
-    episode = driven(actions, orders=None, starts=[(0, 3), (0, 4)])
-    frames = track_of_record(episode).frames
-    hits = [[hit.at for hit in frame.hits] for frame in frames]
-    assert hits == [[], [(4.0, 0.5), (4.0, 0.5)], [(4.5, 0.0)], [(4.0, 0.5)]]
-
-
 def test_bodies_are_drawn_along_their_paths(bodies: FleetEpisode) -> None:
     track = track_of_record(bodies, 0.2)
     assert track.is_continuous

@@ -47,25 +47,6 @@ def captions(track: Track) -> list[str]:
 # Tracks of episodes.
 
 
-def test_headings_are_those_that_the_motions_ended_with() -> None:
-    track = track_of_record(short_episode())
-    first, *others = [pose.heading for pose in poses(track)]
-    assert first is None
-    north, west, east = -math.pi / 2, math.pi, 0.0
-    for found, expected in zip(others, [north, west, west, east, east, east], strict=True):
-        assert found is not None
-        assert math.remainder(found - expected, math.tau) == pytest.approx(0, abs=1e-9)
-
-
-def test_hits_are_in_cells_whatever_the_size_of_a_cell() -> None:
-    episode = short_episode()
-    contact = Contact(0.1, 2.0, (5.0, 2.0), "robot 3")
-    motions = [episode.motions[0]._replace(contacts=(contact,)), *episode.motions[1:]]
-    settings = dataclasses.replace(episode.settings, cell_size=2.0)
-    track = track_of_record(dataclasses.replace(episode, motions=motions, settings=settings))
-    assert [[hit.at for hit in each.hits] for each in track.frames] == [[], [(2.5, 1.0)], *[[]] * 5]
-
-
 def test_captions_give_actions_and_reasons_and_last_the_diagnosis() -> None:
     track = track_of_record(short_episode())
     done = ["", "North: why not", "West", "Pick up", "East", "East"]
