@@ -22,6 +22,7 @@ from agents.lab.grading.rubric import SOLUTIONS
 
 pytestmark = pytest.mark.browser
 
+DESKTOP, PROJECTOR = {"width": 1366, "height": 768}, {"width": 1280, "height": 720}
 PHONE = {"width": 360, "height": 800}
 
 FAULTS = """
@@ -39,6 +40,13 @@ FAULTS = """
   for (const each of [document.documentElement, ...document.querySelectorAll(".content")]) {
     const wide = each.scrollWidth - each.clientWidth;
     if (wide > 0) faults.push(`${each.className} is ${wide} pixels too wide`);
+  }
+  // Tables and what programs print have columns, which may scroll on phones.
+  const columns = innerWidth < 1000 ? ".cell_output, .highlight-text, .table-wrapper" : "nothing";
+  for (const each of document.querySelectorAll("article :is(pre, .table-wrapper)")) {
+    const wide = each.scrollWidth - each.clientWidth;
+    const words = `${each.innerText.slice(0, 80)} is ${wide} pixels too wide`;
+    if (wide > 0 && !each.closest(columns)) faults.push(words);
   }
   return faults;
 }
@@ -122,7 +130,14 @@ def test_solutions_are_in_the_site_for_lecturers_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", [*SITE, "genindex", "py-modindex"])
-@pytest.mark.parametrize("options", [{}, {"viewport": PHONE, "color_scheme": "dark"}])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"viewport": DESKTOP},
+        {"viewport": PROJECTOR},
+        {"viewport": PHONE, "color_scheme": "dark"},
+    ],
+)
 def test_a_page_is_read_in_a_browser(
     browser: Any, site: Path, name: str, options: dict[str, Any]
 ) -> None:
@@ -161,7 +176,7 @@ def test_the_search_finds_pages(browser: Any, site_address: str, words: str, pag
 
 
 def test_the_first_page_plays_by_itself(browser: Any, site: Path) -> None:
-    with shown(browser, viewport={"width": 1366, "height": 768}) as reading:
+    with shown(browser, viewport=DESKTOP) as reading:
         reading.page.goto((site / "index.html").as_uri())
         [_, player] = reading.page.frames
         wait_until(player, "globalThis.player?.isPlaying && player.time > 0")
