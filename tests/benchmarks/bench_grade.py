@@ -2,8 +2,9 @@
 
 Each episode runs in a process of its own, which must cost less than starting Python. Each attack of
 a hostile agent is tried in each place, with and without a separate user for agents. If its attack
-is refused, the agent continues like an honest one. If the attack succeeds, the agent fails.
-Therefore all agents must get full points.
+is refused, the agent continues like an honest one and must get full points. If the attack succeeds,
+the agent fails. Other agents attack the channel to the grader, and other entries of the folder are
+traps; each must get the points that it deserves.
 """
 
 import os
@@ -18,9 +19,16 @@ from typing import NamedTuple
 from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
-from helpers.attacks import DEEDS, PLACES, attacker
+from helpers.attacks import AGENTS, DEEDS, ENTRIES, PLACES, attacker
 from helpers.command_line import ROOT, heed_interrupts
-from helpers.submissions import GOOD, RUBRIC, SUBMISSIONS, notebook_of, running_in, write_rubric
+from helpers.submissions import (
+    GOOD,
+    RUBRIC,
+    SUBMISSIONS,
+    notebook_of,
+    nothing_left_in,
+    write_rubric,
+)
 from helpers.timing import processor_seconds
 
 from agents.lab.commands.grade.folder import grade_folder
@@ -232,31 +240,53 @@ def left_behind() -> set[str]:
     return lines | {str(path) for place in ("/tmp", "/dev/shm") for path in Path(place).iterdir()}
 
 
-@pytest.mark.parametrize("user", dict.fromkeys((None, USER)))
-@pytest.mark.parametrize("jobs", [1, 2])
-def test_honest_agents_get_the_points_they_deserve_among_hostile_ones(
-    tmp_path, measured, user: str | None, jobs: int
-) -> None:
-    folder, table = tmp_path / "all", tmp_path / "grades.csv"
-    folder.mkdir()
-    for number, (deed, place) in enumerate(product(DEEDS, PLACES)):
-        name = f"{number:03d} {deed} {place.partition('(')[0]}".replace("/", " ")
-        (folder / name).mkdir()
-        (folder / name / "agent.py").write_text(attacker(deed, place))
+def write_hostile(folder: Path) -> dict[str, float]:
+    """Write hostile and honest submissions, and return the points of each."""
+    sources = {
+        f"{deed} {place.partition('(')[0]}".replace("/", " "): (attacker(deed, place, folder), 100)
+        for deed, place in product(DEEDS, PLACES)
+    }
+    points: dict[str, float] = {}
+    for number, (name, (source, deserved)) in enumerate((sources | AGENTS).items()):
+        entry = f"{number:03d} {name}"
+        (folder / entry).mkdir()
+        (folder / entry / "agent.py").write_text(source)
+        points[entry] = deserved
         if number % EVERY == 0:
             (folder / f"{number:03d}.py").write_text(GOOD)
+            points[f"{number:03d}.py"] = 100
+    for name, each in ENTRIES.items():
+        each.write(folder / name)
+        if each.points is not None:
+            points[name] = each.points
+    return points
+
+
+@pytest.mark.parametrize("user", dict.fromkeys((None, USER)))
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_all_get_the_points_they_deserve_among_hostile_agents(
+    tmp_path, measured, user: str | None, jobs: int
+) -> None:
+    folder, copies = tmp_path / "all", tmp_path / "copies"
+    folder.mkdir()
+    copies.mkdir()
+    points, before = write_hostile(folder), left_behind()
     rubric = load_rubric(write_rubric(tmp_path, RUBRIC.replace("episodes = 4", "episodes = 2")))
-    before = left_behind()
-    grade_folder(folder, None, rubric, table, None, user, jobs)
-    grades = load_grades(table)
-    wrong = {name: row["failure"] for name, row in grades.items() if row["points"] != "100"}
+    with nothing_left_in(copies):
+        rows = grade_folder(folder, None, rubric, tmp_path / "grades.csv", None, user, jobs)
+    assert rows.keys() == points.keys()
+    wrong = {
+        name: (row["points"], row["failure"])
+        for name, row in rows.items()
+        if float(row["points"]) != points[name]
+    }
     assert not wrong
-    assert not running_in(folder)
     left = {each for each in left_behind() - before if "left" in each}
     assert not left
+    honest = sum(name[3:] == ".py" for name in points)
     who = f"as {user}" if user else "as the grader's user"
     measured(
         f"hostile agents run {who}, {jobs} at a time",
-        f"{len(DEEDS) * len(PLACES)} hostile and {len(grades) - len(DEEDS) * len(PLACES)} honest "
-        "agents: all grades are correct, nothing is left behind",
+        f"{len(points) - honest} hostile and {honest} honest submissions: all grades are correct, "
+        "nothing is left behind",
     )

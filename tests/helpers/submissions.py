@@ -2,10 +2,14 @@
 
 import json
 import os
-from contextlib import suppress
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from textwrap import indent
 from typing import NamedTuple
+
+import pytest
 
 RUBRIC = """
 title = "A short rubric"
@@ -296,10 +300,27 @@ def write_rubric(folder: Path, text: str = RUBRIC) -> Path:
 
 
 def running_in(folder: Path) -> list[int]:
-    """Return the processes whose working folder is within ``folder``, such as its agents."""
+    """Return the processes of agents whose private copies are within ``folder``.
+
+    An agent works in its copy. A file that is graded alone does not, but the words with which its
+    process was started name it.
+    """
     found = []
     for place in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
-            if (place / "cwd").resolve().is_relative_to(folder):
+            is_in = (place / "cwd").resolve().is_relative_to(folder)
+            if is_in or os.fsencode(folder) in (place / "cmdline").read_bytes():
                 found.append(int(place.name))
     return [pid for pid in found if pid != os.getpid()]
+
+
+@contextmanager
+def nothing_left_in(folder: Path) -> Iterator[None]:
+    """Let agents have their private copies in a folder, in which nothing may be left or run."""
+    folder.chmod(0o755)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TMPDIR", str(folder))
+        patch.setattr(tempfile, "tempdir", None)
+        yield
+    assert not running_in(folder)
+    assert not list(folder.iterdir())

@@ -6,13 +6,12 @@ import os
 import re
 import shutil
 import signal
-import tempfile
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 from zipfile import ZipFile
 
 import pytest
-from helpers.attacks import BEFORE, DEEDS, attempt
+from helpers.attacks import AGENTS, BEFORE, DEEDS, attempt
 from helpers.submissions import (
     GOOD,
     RUBRIC,
@@ -21,7 +20,7 @@ from helpers.submissions import (
     good,
     idle,
     notebook_of,
-    running_in,
+    nothing_left_in,
     write_rubric,
 )
 
@@ -64,15 +63,11 @@ def no_walls(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(autouse=True)
-def copies(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Any:
+def copies(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Return the folder of private copies; no copy and no process may be left in it."""
     folder = tmp_path_factory.mktemp("copies")
-    folder.chmod(0o755)
-    monkeypatch.setenv("TMPDIR", str(folder))
-    monkeypatch.setattr(tempfile, "tempdir", None)
-    yield folder
-    assert not running_in(folder)
-    assert not list(folder.iterdir())
+    with nothing_left_in(folder):
+        yield folder
 
 
 def grade_source(
@@ -231,21 +226,10 @@ def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
     assert report.grades[0].seen == f"88% of 8 episodes: 7 delivered and 1 {found}"
 
 
-QUESTIONER = """
-frame = sys._getframe()
-while "answers" not in frame.f_locals:
-    frame = frame.f_back
-answer = {"word": frame.f_locals["word"], "action": "WAIT"}
-os.write(frame.f_locals["answers"], json.dumps(answer).encode() + b"\\n")
-time.sleep(600)
-"""
-"""Body of ``act`` that answers by itself, and then reads no further question."""
-
-
 def test_an_agent_that_reads_no_questions_takes_too_long(tmp_path: Path) -> None:
     """A question with a view of 121 x 121 cells is longer than a pipe."""
     rubric = RUBRIC.replace("max_steps", "view_radius = 60\nmax_steps")
-    report = grade_source(tmp_path, idle(QUESTIONER, "import json, os, sys, time"), rubric)
+    report = grade_source(tmp_path, AGENTS["answers and sleeps"][0], rubric)
     assert report.grades[0].worst == "takes too long at step 2: no answer within 0.5 s"
 
 

@@ -189,11 +189,12 @@ def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
         "--jobs",
         "1",
     ]
-    code = "from agents.__main__ import main; main()"
+    code, copies = "from agents.__main__ import main; main()", tmp_path / "copies"
+    copies.mkdir()
     with subprocess.Popen(
         [sys.executable, "-c", code, *words],
         cwd=tmp_path,
-        env={"PYTHONPATH": str(ROOT), "PATH": ""},
+        env={"PYTHONPATH": str(ROOT), "PATH": "", "TMPDIR": str(copies)},
         stderr=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
@@ -202,12 +203,16 @@ def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
         while not Path("grades.csv").exists() or "searches" not in rows_of("grades.csv"):
             assert process.poll() is None
             sleep(0.05)
+        while not running_in(copies):
+            assert process.poll() is None
+            sleep(0.01)
         process.send_signal(signal.SIGINT)
         told, said = process.communicate(timeout=30)
     assert (process.returncode, said) == (130, "warehouse: interrupted\n")
     assert "1 of 2 submissions are in grades.csv; run the same command again to resume" in told
     assert list(rows_of("grades.csv")) == ["searches"]
-    assert not running_in(tmp_path / "all")
+    assert not running_in(copies)
+    assert not list(copies.iterdir())
     Path("all", "sleeps", "agent.py").write_text(WORSE, encoding="utf-8")
     assert "1 graded, 1 unchanged, 0 that cannot" in warehouse(*words).out
     assert list(rows_of("grades.csv")) == ["searches", "sleeps"]
