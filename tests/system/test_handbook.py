@@ -23,6 +23,7 @@ from helpers.handbook import (
     run_command,
     run_page,
 )
+from helpers.lab_notebook import NOTEBOOK, PAGE, lab_notebook
 
 from agents.lab.commands import train
 from agents.lab.experiments.sweep import PRESETS
@@ -147,6 +148,23 @@ def test_a_page_with_cells_is_a_notebook(page: Path) -> None:
     assert TEXTS[page].count("<!-- test\n") == sum(b.language == TEST for b in blocks_of(page))
     run = [each for each in blocks_of(page) if each.language == CELL and not each.needs]
     assert cells == [block.text.rstrip("\n") for block in run]
+
+
+def test_the_notebook_of_the_mini_lab_has_its_cells_and_installs_what_is_missing() -> None:
+    assert NOTEBOOK.read_text(encoding="utf-8") == lab_notebook(), "see tests/helpers/lab_notebook"
+    install, *cells = (cell for cell in jupytext.read(NOTEBOOK).cells if cell.cell_type == "code")
+    assert [cell.source for cell in cells] == [
+        block.text.rstrip("\n") for block in blocks_of(PAGE) if block.language == CELL
+    ]
+    code = install.source.replace("%pip install --quiet", "installed.append")
+    code = code.replace('"$SOURCE"', "(SOURCE)")
+    for is_missing, source, asked in ((False, "", []), (True, "x.whl", ["x.whl"])):
+        names: dict[str, Any] = {"installed": []}
+        module = "no_such_module" if is_missing else "warehouse_core"
+        exec(code.replace("warehouse_core", module).replace('""', repr(source)), names)
+        assert names["installed"] == asked
+    with pytest.raises(ValueError, match="write the address"):
+        exec(code.replace("warehouse_core", "no_such_module"), {})
 
 
 @each_page
