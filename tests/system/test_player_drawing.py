@@ -96,13 +96,14 @@ def test_the_item_waits_at_the_pickup_is_carried_and_stays_at_the_dropoff(
 
 
 def body_track(drive: str, **changes: object) -> Track:
-    """Return a track of a body that drives east, brakes from its second frame on, and skids."""
+    """Return a track of a body that drives east, brakes and skids, with a ray and an outline."""
     rows = ("########", *["#......#"] * 4, "########")
     poses = [
         Pose((1.5 + x, 2.5), 0.0, False, Push((speed, 0.0), (force, 0.0), skids=skids))
         for x, speed, force, skids in ((0, 0, 0, False), (1, 1, 60, False), (2, 0.5, -60, True))
     ]
-    frames = [Frame(rows, (pose,), i / 2, clock=i) for i, pose in enumerate(poses)]
+    lines = ((True, (1.5, 4.5), (5.5, 4.5)), (False, (6.2, 1.5), (6.8, 1.5)))
+    frames = [Frame(rows, (pose,), i / 2, clock=i, lines=lines) for i, pose in enumerate(poses)]
     return Track(frames, {}, True, drive=drive, slippery=((2, 3),), **changes)  # type: ignore[arg-type]
 
 
@@ -133,8 +134,13 @@ def test_a_body_has_a_chassis_a_drive_arrows_a_brake_light_and_skid_marks(
     # Skid marks are half as dark as ink.
     left = page.read("player.tracks[0].skid.join()")
     assert left == "0,0,1"
+    ray, outline = (2.2, 4.45, 3, 0.1), (6.25, 1.45, 0.5, 0.1)
+    assert page.share("ink", ray) > 0.02
+    assert page.share("ink", outline) > 0.1
     page.press("v")
     assert share("force", (0.8, -0.05, 0.2, 0.1), 2) == 0
+    assert page.share("ink", ray) == 0
+    assert page.share("ink", outline) > 0.1
     page.press("v")
     assert share("force", (0.8, -0.05, 0.2, 0.1), 2) > 0.4
 

@@ -108,6 +108,10 @@ class Outcome(NamedTuple):
             ``(vx, vy)`` in m/s, the force of the motor ``(fx, fy)`` in N in the substep that ends
             then, and the energy used since the start of the motion in J. ``None`` for backends that
             do not measure them, such as the grid.
+        lines: ``[N, 5]`` float64, read-only: straight lines around the robot at the end of the
+            motion, first the rays of its range scan and then the outlines of crates, people and
+            other bodies. Each row has 1 for a ray and 0 for a part of an outline, and then
+            the ends of the line in metres. ``None`` for backends without such things.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -127,11 +131,14 @@ class Outcome(NamedTuple):
     contacts: tuple[Contact, ...] = ()
     cut_off: bool = False
     readings: NDArray[np.float64] | None = None
+    lines: NDArray[np.float64] | None = None
 
     def copy(self) -> Outcome:
-        """Return a copy of the outcome, with copies of its path and its readings."""
-        readings = None if self.readings is None else self.readings.copy()
-        return self._replace(path=self.path.copy(), readings=readings)
+        """Return a copy of the outcome, with copies of its arrays."""
+        readings, lines = (
+            None if each is None else each.copy() for each in (self.readings, self.lines)
+        )
+        return self._replace(path=self.path.copy(), readings=readings, lines=lines)
 
     def __eq__(self, other: object) -> bool:
         # Tuples compare with ==, which for paths returns an array without a truth value.

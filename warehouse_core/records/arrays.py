@@ -64,6 +64,9 @@ MOTION_COLUMNS: ColumnSpecs = {
 READ_COLUMNS: ColumnSpecs = {"readings": ("<f8", "L5")}
 """Columns that records have in addition if all their motions have readings."""
 
+LINE_COLUMNS: ColumnSpecs = {"lines": ("<f8", "N5"), "line_counts": ("<i4", "M")}
+"""Columns of a single robot in addition if all its motions have lines."""
+
 LONE_COLUMNS: ColumnSpecs = {
     "header": ("|u1", "*"),
     "layout": ("|u1", "**"),
@@ -132,7 +135,13 @@ Word = TypeVar("Word", bound=Hashable)
 
 SCHEMAS: tuple[Schema, ...] = tuple(
     {name: (dtype, len(axes)) for name, (dtype, axes) in (columns | more).items()}
-    for columns in (LONE_COLUMNS, FLEET_COLUMNS, REASONED_COLUMNS, HEADED_COLUMNS)
+    for columns in (
+        LONE_COLUMNS,
+        LONE_COLUMNS | LINE_COLUMNS,
+        FLEET_COLUMNS,
+        REASONED_COLUMNS,
+        HEADED_COLUMNS,
+    )
     for more in ({}, READ_COLUMNS)
 )
 
@@ -194,7 +203,7 @@ def unpack(arrays: Arrays) -> EpisodeFields:
     fields["layout"] = unpack_layout(arrays["layout"])
     kind = FleetSettings if is_fleet else Settings
     fields["settings"] = kind.from_json(header.get("settings"))
-    columns = (HEADED_COLUMNS if is_fleet else LONE_COLUMNS) | READ_COLUMNS
+    columns = (HEADED_COLUMNS if is_fleet else LONE_COLUMNS) | READ_COLUMNS | LINE_COLUMNS
     _check_arrays(arrays, columns, fields["settings"])
     fields["motions"] = unpack_motions(arrays, header)
     (_unpack_fleet if is_fleet else _unpack_lone)(arrays, header, fields)
@@ -304,8 +313,9 @@ def _check_arrays(arrays: Arrays, columns: ColumnSpecs, settings: Any) -> None:
             raise RecordError(f"{name} has the shape {shape}; it must be {expected}")
         if dtype == "<f8" and not (np.abs(array) <= MAX_NUMBER).all():  # NaN neither
             raise RecordError(f"{name} has a number outside {-MAX_NUMBER:g}..{MAX_NUMBER:g}")
-    if arrays["path_lengths"].min(initial=2) < 2 or arrays["contact_counts"].min(initial=0) < 0:
-        raise RecordError("path_lengths has a number below 2, or contact_counts one below 0")
+    for name, least in {"path_lengths": 2, "contact_counts": 0, "line_counts": 0}.items():
+        if name in arrays and arrays[name].min(initial=least) < least:
+            raise RecordError(f"{name} has a number below {least}")
     seconds, joules = (
         [arrays[name].min(initial=1) for name in (unit, f"motion_{unit}") if name in arrays]
         for unit in ("seconds", "joules")
@@ -321,8 +331,10 @@ def _lengths(arrays: Arrays, settings: Any) -> dict[str, int]:
     if isinstance(settings, FleetSettings):
         lengths |= {"R": settings.robots, "P": settings.people.count}
         lengths["M"] = steps * settings.bodies if len(arrays["motion_cells"]) else 0
-    sums = {"L": "path_lengths", "C": "contact_counts"}
-    totals = {axis: int(arrays[name].sum(dtype=np.int64)) for axis, name in sums.items()}
+    sums = {"L": "path_lengths", "C": "contact_counts", "N": "line_counts"}
+    totals = {
+        axis: int(arrays[name].sum(dtype=np.int64)) for axis, name in sums.items() if name in arrays
+    }
     return LENGTHS | lengths | totals
 
 
@@ -458,7 +470,8 @@ def decode_words(
 def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
     """Return the arrays of ``MOTION_COLUMNS``, and the names of the counterparts in contacts.
 
-    If all motions have readings, the arrays also include ``READ_COLUMNS``.
+    If all motions have readings, the arrays also include ``READ_COLUMNS``, and if all have lines,
+    ``LINE_COLUMNS``.
     """
     contacts = [contact for motion in motions for contact in motion.contacts]
     counterparts, codes = encode_words(contact.counterpart for contact in contacts)
@@ -478,6 +491,10 @@ def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
     readings = [motion.readings for motion in motions if motion.readings is not None]
     if readings and len(readings) == len(motions):
         arrays["readings"] = np.concatenate(readings)
+    seen = [motion.lines for motion in motions if motion.lines is not None]
+    if seen and len(seen) == len(motions):
+        arrays["lines"] = np.concatenate(seen)
+        arrays["line_counts"] = np.array([len(lines) for lines in seen])
     return arrays, counterparts
 
 
@@ -495,19 +512,21 @@ def unpack_motions(arrays: Arrays, header: EpisodeFields) -> list[Outcome]:
     )
     columns = ("motion_cells", "motion_blocked", "motion_seconds", "motion_joules")
     ends = np.cumsum(arrays["path_lengths"])[:-1]
+    seen = np.cumsum(arrays.get("line_counts", ()), dtype=np.intp)[:-1]
     rows = zip(
         *(arrays[name].tolist() for name in columns),
         np.split(arrays["path"], ends),
         arrays["contact_counts"].tolist(),
         np.split(arrays["readings"], ends) if "readings" in arrays else repeat(None),
+        np.split(arrays["lines"], seen) if "lines" in arrays else repeat(None),
         strict=False,
     )
     motions = [
         Outcome(
             (row, col), blocked, seconds, joules, path, tuple(islice(contacts, count)),
-            readings=readings,
+            readings=readings, lines=lines,
         )
-        for (row, col), blocked, seconds, joules, path, count, readings in rows
+        for (row, col), blocked, seconds, joules, path, count, readings, lines in rows
     ]  # fmt: skip
     for number in cut_off:
         motions[number] = motions[number]._replace(cut_off=True)

@@ -87,6 +87,8 @@ LINES: dict[str, dict[str, Any]] = {
     "plans": ROBOT_LINE,
     "skid": {"color": SKID, "lw": 3.0},
     "ghost": {"color": INK, "lw": 1.6, "linestyle": (0, GHOST)},
+    "ray": {"color": INK, "lw": 1.0, **DOTTED},
+    "outline": {"color": INK, "lw": 1.4},
     "path": {"color": WARNING, "lw": 3.0},
     "wishes": ROBOT_LINE | DOTTED,
     "low": {"color": WARNING, "lw": 4.0, "solid_capstyle": "butt"},

@@ -288,6 +288,7 @@ class View:
             self._tiles.show(frame.tiles, self._track.slippery)
             self._stations.show(self._small_stations(frame.tiles))
         shapes = [*self._marked(frame), *self._route(frame), *self._ghost(number)]
+        shapes += self._seen(frame)
         if frame.fleet:
             shapes += self._fleet(frame, frame.fleet)
         else:
@@ -339,6 +340,13 @@ class View:
         """Yield the outline of the robot of another track."""
         ghost, radius = self._track.ghost[number : number + 1], self._least(RADIUS, MIN_RADIUS)
         yield Shape(stamped(radius * CIRCLE, ghost), None, INK, self._least(RIM, 1), GHOST)
+
+    def _seen(self, frame: Frame) -> Iterator[Shape]:
+        """Yield the rays of a range scan, unless arrows are hidden, and the outlines of things."""
+        for name, is_ray, dashes in (("outline", False, ()), ("ray", True, DOTS)):
+            shown = [(at, to) for is_one, at, to in frame.lines if is_one == is_ray]
+            if shown and (self.has_arrows or not is_ray):
+                yield Shape(lines(shown), None, INK, self._least(WIDTHS[name], 0.8), dashes)
 
     def _ends(self) -> Iterator[Shape]:
         """Yield the start and the goal of a search, as letters on discs."""

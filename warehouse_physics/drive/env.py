@@ -39,7 +39,8 @@ from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_physics.disturbances import SETTINGS, SLIPPERY, Disturbances
 from warehouse_physics.drive.drives import VELOCITY, drive_of
 from warehouse_physics.drive.observations import VECTOR, DriveForm
-from warehouse_physics.drive.picture import picture_of
+from warehouse_physics.drive.people import Person
+from warehouse_physics.drive.picture import outlines_of, picture_of
 from warehouse_physics.drive.recording import DriveRecorder
 from warehouse_physics.drive.rows import BUDGET, DriveRows, DriveSettings, DriveStep, settings_of
 from warehouse_physics.drive.things import Things
@@ -59,7 +60,7 @@ OWN = "own=1"
 """Mark in a name for bodies and obstacles that ``from_name`` cannot make."""
 
 WORDS = ("control", "drive", SLIPPERY)
-NUMBERS = ("rate", "rays", "max_seconds", "battery", "crates")
+NUMBERS = ("rate", "rays", "max_seconds", "battery", "crates", "people")
 
 
 class DriveEnv(gymnasium.Env[Any, Any]):
@@ -112,6 +113,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         max_seconds: limit of an episode; ``None`` is the time of 200 moves over one cell.
         battery: joules of a full battery; ``None`` is the energy of 200 moves over one cell.
         crates: number of crates in random cells, or their cells.
+        people: number of people, who start in random cells and walk at random; see ``people.py``.
         obstacles: pillars ``(x, y, radius)`` and convex polygons ``[(x, y), ...]``, in metres.
         on_reset: function that gets each new ``pymunk.Space`` and may add bodies, joints and
             collision handlers to it. The robot is its first body: ``next(iter(space.bodies))``.
@@ -156,6 +158,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         max_seconds: float | None = None,
         battery: float | None = None,
         crates: int | Sequence[Cell] = 0,
+        people: int = 0,
         obstacles: Sequence[Any] = (),
         on_reset: Callable[[pymunk.Space], object] | None = None,
         render_mode: str | None = None,
@@ -166,7 +169,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             randomize=randomize, start_pos=start_pos, max_seconds=max_seconds, battery=battery,
         )  # fmt: skip
         open_cells = len(self.drive_settings.layout.open_cells)
-        self._things = Things(crates, obstacles, on_reset, most=open_cells)
+        self._things = Things(crates, people, obstacles, on_reset, most=open_cells)
         self._form = DriveForm(observation, self.drive_settings)
         self.observation_space = self._form.space
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
@@ -203,7 +206,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         """Return an environment with the settings in a name such as ``drive:control=wheels``.
 
         A name may set numbers of the robot and disturbances, as in ``physics:mass=70``, and also
-        ``control``, ``rate``, ``rays``, ``max_seconds``, ``battery`` and ``crates``.
+        ``control``, ``rate``, ``rays``, ``max_seconds``, ``battery``, ``crates`` and ``people``.
 
         Args:
             name: name with settings.
@@ -222,7 +225,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         robot = {"drive": DIFFERENTIAL} | {k: v for k, v in given.items() if k not in known}
         trouble = {key: value for key, value in given.items() if key in SETTINGS}
         own = {key: value for key, value in given.items() if key in own_names}
-        for key in ("rays", "crates"):
+        for key in ("rays", "crates", "people"):
             if key in own:
                 own[key] = int(own[key])
         spec = RobotSpec.from_numbers(robot, known)
@@ -304,9 +307,9 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         parts += _named_disturbances(settings.disturbances)
         defaults = {"rate": 10.0, "rays": 16, "max_seconds": None, "battery": None}
         parts += [f"{key}={value}" for key, value in self._given.items() if value != defaults[key]]
-        crates = self._things.crates
-        if isinstance(crates, int) and crates:
-            parts.append(f"crates={crates}")
+        things = {"crates": self._things.crates, "people": self._things.people}
+        parts += [f"{key}={count}" for key, count in things.items()
+                  if isinstance(count, int) and count]  # fmt: skip
         if self._things.are_own or self._has_foreign:
             parts.append(OWN)
         return f"{DRIVE}:{','.join(parts)}" if parts else DRIVE
@@ -350,13 +353,13 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         """Start an episode.
 
         Args:
-            seed: seed of the stations, the start, the crates and the disturbances. ``None`` draws
-                one from ``np_random``.
+            seed: seed of the stations, the start, the crates, the people and the disturbances.
+                ``None`` draws one from ``np_random``.
             options: ``layout`` (with the same walls) and ``start_pos`` for this episode only; they
                 replace the random ones.
 
         Raises:
-            ValueError: an option is not allowed, or there is no room for the crates.
+            ValueError: an option is not allowed, or there is no room for crates or people.
             TypeError: a value has the wrong type.
         """
         options = check_options(options, {"layout", "start_pos"})
@@ -375,11 +378,16 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             None if layout is None else as_layout(layout),
             None if start is None else as_cell("start_pos", start),
         )
-        crates = self._things.cells(rows.layouts[0], rows.starts[0], seed)
+        layout, start = rows.layouts[0], rows.starts[0]
+        crates = self._things.cells(layout, start, seed)
+        people = [
+            Person(layout, self.robot_spec, rows.bodies.body(0), cell, f"{seed} person {number}")
+            for number, cell in enumerate(self._things.people_in(layout, [start, *crates], seed))
+        ]
         foreign = self._foreign()  # From here on, nothing is refused.
         self._rows, self._seed = rows, seed
         [self._arena] = rows.bodies.arenas
-        self._things.fill(self._arena, self.robot_spec, crates)
+        self._things.fill(self._arena, self.robot_spec, crates, people)
         self._ours = {*_objects(self.space), self.space.static_body}
         for each in foreign:
             self.space.add(each)
@@ -439,11 +447,14 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             return None
         if self._painter is None:
             self._painter = TilePainter(tile_pixels_for(self.layout.height, self.layout.width))
-        walls = self._arena.walls
-        things = [each for each in self.space.shapes if each not in walls and not each.sensor]
         return picture_of(
-            self._painter, self.layout, self.pose, self.has_item, self.robot_spec, things
+            self._painter, self.layout, self.pose, self.has_item, self.robot_spec, self._visible()
         )
+
+    def _visible(self) -> list[pymunk.Shape]:
+        """Return the shapes of crates, obstacles, people and bodies of users."""
+        ours = self._arena.walls | self.robot.shapes
+        return [each for each in self.space.shapes if each not in ours and not each.sensor]
 
     def _observation(self) -> Any:
         observation = self._form.of(self._rows)
@@ -482,14 +493,19 @@ class DriveEnv(gymnasium.Env[Any, Any]):
                 number * dt, *state.positions[0], heading, right, down, *force[0],
                 max(joules[0], 0.0),
             )  # fmt: skip
-        rows.flags.writeable = False
+        ends = self._rows.ray_ends()[0] if self.drive_settings.rays else np.empty((0, 2))
+        rays = np.column_stack([np.broadcast_to(rows[-1, 1:3], ends.shape), ends])
+        outlines = outlines_of(self._visible())
+        whole = np.concatenate([rays, outlines])
+        lines = np.column_stack([np.arange(len(whole)) < len(rays), whole])
+        rows.flags.writeable = lines.flags.writeable = False
         contacts = tuple(
             Contact(seconds, bump.impulse, bump.point, bump.counterpart)
             for seconds, bump in step.bumps
         )
         return Outcome(
             self.cell, bool(contacts), float(rows[-1, 0]), float(rows[-1, 8]), rows[:, :4],
-            contacts, readings=rows[:, 4:],
+            contacts, readings=rows[:, 4:], lines=lines,
         )  # fmt: skip
 
 

@@ -17,6 +17,9 @@ from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
 
+CORNERS = [pymunk.Vec2d(1, 0).rotated_degrees(angle) for angle in range(0, 360, 20)]
+"""Unit vectors to the corners of the outline of a circle."""
+
 NOSE = 0.3
 """Half the width of the line from the middle of a robot to its front, as a share of its radius."""
 
@@ -44,6 +47,29 @@ def picture_of(
     picture[is_inside] = color_bytes(COLORS[ROBOT_LOADED if has_item else ROBOT_EMPTY])
     picture[is_inside & (ahead > 0) & (np.abs(aside) < NOSE * spec.radius)] = color_bytes(INK)
     return picture
+
+
+def outlines_of(things: Iterable[pymunk.Shape]) -> Floats:
+    """Return the outlines of shapes as straight lines ``[N, 4]``: x and y of both ends, in metres.
+
+    A circle has ``CORNERS`` corners, and a segment is its middle line.
+    """
+    lines = [np.empty((0, 4))]
+    for shape in things:
+        body = shape.body
+        assert body is not None
+        if isinstance(shape, pymunk.Circle):
+            corners = [shape.offset + shape.radius * turn for turn in CORNERS]
+        elif isinstance(shape, pymunk.Segment):
+            corners = [shape.a, shape.b]
+        else:
+            assert isinstance(shape, pymunk.Poly)
+            corners = shape.get_vertices()
+        places = np.array([body.local_to_world(corner) for corner in corners])
+        ends = np.roll(places, -1, axis=0)
+        whole = slice(1) if len(corners) == 2 else slice(None)
+        lines.append(np.hstack([places, ends])[whole])
+    return np.concatenate(lines)
 
 
 def depth(shape: pymunk.Shape, places: Floats) -> Floats:

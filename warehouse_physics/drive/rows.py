@@ -131,6 +131,7 @@ class DriveRows:
         self._is_felt = settings.disturbances.is_felt
         self._cells = np.full((rows, 2), -1)
         self.scanner: Callable[[int], Floats] | None = None
+        self._scans: Floats | None = None
         self.state = self.bodies.read()
 
     def begin(
@@ -153,7 +154,7 @@ class DriveRows:
         self.has_item[where], self.stood[where], self.seconds[where] = False, 0.0, 0.0
         self.batteries[where] = self.settings.battery
         self._cells[where] = -1
-        self.state = self.bodies.read()
+        self.state, self._scans = self.bodies.read(), None
         self._feel(np.array(where))
 
     def _drawn(self, seed: int, layout: Layout | None, start: Cell | None) -> tuple[Layout, Cell]:
@@ -214,6 +215,7 @@ class DriveRows:
             if self._is_felt:
                 self._feel()
         step.joules += joules_of(self._spec, work, settings.substeps * dt)
+        self._scans = None
         self._measure(start)
         self._judge(step, settings.substeps * dt)
         return step
@@ -244,13 +246,26 @@ class DriveRows:
 
         Ray 0 is straight ahead. A lone warehouse with other things has a ``scanner`` for them.
         """
-        if self.scanner is not None:
-            return self.scanner(self.settings.rays)[None]
-        size = self._spec.cell_size
-        angles = self.state.angles[:, None] + self._angles
-        reach = SCAN_RANGE / size
-        distances: Floats = self._rays.distances(self.state.positions / size, angles, reach)
-        return distances * size
+        if self._scans is None:
+            size = self._spec.cell_size
+            reach, places = SCAN_RANGE / size, self.state.positions / size
+            self._scans = (
+                self._rays.distances(places, self._ray_angles(), reach) * size
+                if self.scanner is None
+                else self.scanner(self.settings.rays)[None]
+            )
+        return self._scans
+
+    def ray_ends(self) -> Floats:
+        """Return the places in metres at which the rays of each robot end, ``[B, K, 2]``."""
+        angles = self._ray_angles()
+        ways = self.scans()[..., None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+        ends: Floats = self.state.positions[:, None] + ways
+        return ends
+
+    def _ray_angles(self) -> Floats:
+        angles: Floats = self.state.angles[:, None] + self._angles
+        return angles
 
     def _feel(self, rows: Any = None) -> None:
         """Update the loads of robots that have entered another cell, or of given rows."""

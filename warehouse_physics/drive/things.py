@@ -1,15 +1,16 @@
-"""Things in a warehouse that are neither walls nor robots: crates, obstacles and bodies of users.
+"""What is in a warehouse besides walls and the robot: crates, people, obstacles and other bodies.
 
 *Crates* are boxes that a robot pushes. Friction with the floor slows them down, and a crate that
-touches a wall blocks the robot. *Obstacles* are pillars and polygons that never move. Bodies of
-users come from a function ``on_reset(space)``, or are added to the space by hand.
+touches a wall blocks the robot. *People* walk at random; see ``people.py``. *Obstacles* are pillars
+and polygons that never move. Bodies of users come from a function ``on_reset(space)``, or are added
+to the space by hand.
 """
 
 from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,10 @@ from warehouse_core.motion.grid import GRAVITY
 from warehouse_core.wording import brief
 from warehouse_core.world.layout import check_open
 from warehouse_core.world.tiles import WALL as WALL_TILE
+from warehouse_core.world.tiles import manhattan_distance
 from warehouse_physics.arena import WALL
 from warehouse_physics.drive.bodies import DriveArena
+from warehouse_physics.drive.people import Person
 from warehouse_physics.spec import RobotSpec
 
 CRATE_SIDE, CRATE_MASS, CRATE_FRICTION = 0.5, 15.0, 0.2
@@ -38,13 +41,14 @@ Shapes = Sequence[Any]
 
 
 class Things:
-    """The crates, obstacles and bodies of users in one warehouse.
+    """The crates, people, obstacles and bodies of users in one warehouse.
 
     Args:
         crates: number of crates in random cells, or their cells.
+        people: number of people, who start in random cells.
         obstacles: pillars ``(x, y, radius)`` and convex polygons ``[(x, y), ...]``, in metres.
         on_reset: function that is called with each new space.
-        most: largest number of crates.
+        most: largest number of crates, and of people.
 
     Raises:
         ValueError: an argument is out of range.
@@ -54,6 +58,7 @@ class Things:
     def __init__(
         self,
         crates: int | Sequence[Cell] = 0,
+        people: int = 0,
         obstacles: Shapes = (),
         on_reset: Callable[[pymunk.Space], object] | None = None,
         *,
@@ -64,6 +69,7 @@ class Things:
             if isinstance(crates, (int, np.integer))
             else _crates(crates)
         )
+        self.people = whole_number("people", people, 0, most)
         self.obstacles = [_obstacle(each) for each in _listed(obstacles)]
         if on_reset is not None and not callable(on_reset):
             raise TypeError(f"on_reset is {brief(on_reset)}; it must be a function of a space")
@@ -74,14 +80,19 @@ class Things:
     @property
     def exist(self) -> bool:
         """Whether there is anything besides walls and robots."""
-        return bool(self.crates) or self.are_own
+        return bool(self.crates or self.people) or self.are_own
 
-    def fill(self, arena: DriveArena, spec: RobotSpec, crates: Sequence[Cell]) -> None:
+    def fill(
+        self, arena: DriveArena, spec: RobotSpec, crates: Sequence[Cell], people: Sequence[Person]
+    ) -> None:
         """Put all things into a new space, with crates in these cells."""
         for number, cell in enumerate(crates):
             arena.names[add_crate(arena.space, centre_of(cell, spec.cell_size), spec)] = (
                 f"crate {number}"
             )
+        for number, person in enumerate(people):
+            arena.names[person.shape] = f"person {number}"
+            arena.space.add(person.body, person.shape)
         for number, obstacle in enumerate(self.obstacles):
             shape = obstacle(arena.space.static_body)
             shape.collision_type = WALL
@@ -120,6 +131,21 @@ class Things:
                 f"crates is {self.crates}; only {len(chosen)} fit without blocking a station"
             )
         return chosen
+
+    def people_in(self, layout: Layout, taken: Iterable[Cell], seed: int) -> list[Cell]:
+        """Return the cells of the people, outside of cells that are taken and their neighbours.
+
+        Raises:
+            LayoutError: there is no room for the people.
+        """
+        far = [
+            cell
+            for cell in layout.cells(layout.open_cells)
+            if all(manhattan_distance(cell, other) > 1 for other in taken)
+        ]
+        if len(far) < self.people:
+            raise LayoutError(f"people is {self.people}; only {len(far)} fit into the layout")
+        return random.Random(f"{seed} people").sample(far, self.people)
 
 
 def add_crate(space: pymunk.Space, position: tuple[float, float], spec: RobotSpec) -> pymunk.Shape:

@@ -1,5 +1,6 @@
 """Crates, obstacles and bodies of users."""
 
+import itertools
 import sys
 
 import numpy as np
@@ -120,6 +121,7 @@ def test_a_robot_stops_at_a_pillar_and_at_a_polygon_and_sees_them():
         ({"on_reset": 3}, "on_reset is 3"),
         ({"crates": -1}, "crates is -1"),
         ({"crates": 999}, "crates is 999"),
+        ({"people": 1.5}, "people is 1.5"),
         ({"crates": [(1, 2, 3)]}, "it must be a number, or cells"),
         ({"obstacles": 7}, "obstacles is 7"),
     ],
@@ -206,8 +208,86 @@ class Ahead:
         return 0.8, 0.1
 
 
-def test_a_record_is_replayed_bit_for_bit(tmp_path):
-    env = DriveEnv(crates=3, max_seconds=6.0)
+def walk_of(seconds, **arguments):
+    """Return the cells of the people in each tenth of a second, and the contacts of the robot."""
+    env = DriveEnv(rays=0, max_seconds=1_000.0, randomize=False, **arguments)
+    env.reset(seed=arguments.pop("seed", 1))
+    people = [body for body in env.space.bodies if body is not env.robot]
+    cells, contacts = [], []
+    for _ in range(10 * seconds):
+        env.step([0.0, 0.0])
+        cells.append([(int(body.position.y), int(body.position.x)) for body in people])
+        contacts += env.last_motion.contacts
+    return env, cells, contacts
+
+
+def test_people_walk_on_at_random_over_open_cells():
+    env, cells, _ = walk_of(60, people=2)
+    for one in zip(*cells, strict=True):
+        assert all(env.layout.is_open(cell) for cell in one)
+        assert len(set(one)) > 10
+        turns = [cell for cell, after in itertools.pairwise(one) if cell != after]
+        back = sum(first == third for first, third in zip(turns, turns[2:], strict=False))
+        assert back < len(turns) / 4
+    assert walk_of(5, people=2)[1] == cells[:50]
+
+
+def test_people_stop_for_a_robot_and_turn_back():
+    _, cells, contacts = walk_of(60, people=1, layout=AISLE, start_pos=(1, 4))
+    sides = {cell[0][1] < 4 for cell in cells}
+    assert not contacts
+    assert len(sides) == 1
+    assert len({cell[0] for cell in cells}) >= 2
+    met = walk_of(1, people=0, layout=AISLE, start_pos=(1, 4))[0]
+    assert met.robot.position.x == 4.5
+
+
+def test_a_robot_that_drives_into_a_person_hits_it():
+    env = on_aisle(people=1)
+    contacts = []
+    for _ in range(200):
+        env.step([1.0, 0.0])
+        contacts += env.last_motion.contacts
+    assert contacts[0].counterpart == "person 0"
+    assert 0 < contacts[0].impulse <= 40 * 1.6
+
+
+def test_people_need_room_and_an_open_cell():
+    with pytest.raises(LayoutError, match="people is 8; only 5 fit"):
+        on_aisle(people=8)
+    alone = Layout(["#####", "#P#.#", "#D#.#", "##.##", "#####"])
+    env = DriveEnv(alone, people=1, randomize=False, start_pos=(1, 1))
+    env.reset(seed=3)
+    for _ in range(50):
+        env.step([0.0, 0.0])
+    [person] = [body for body in env.space.bodies if body is not env.robot]
+    assert env.layout.is_open((int(person.position.y), int(person.position.x)))
+
+
+def test_a_motion_has_the_rays_and_the_outlines_of_things():
+    def hang(space):
+        bar = pymunk.Segment(space.static_body, (7.2, 1.1), (7.2, 1.9), 0.05)
+        space.add(bar)
+
+    env = on_aisle(crates=[(1, 5)], obstacles=[(4.0, 1.5, 0.1)], on_reset=hang)
+    env.step([0.0, 0.0])
+    lines = env.last_motion.lines
+    assert lines[:, 0].tolist() == [1] * 4 + [0] * (4 + 18 + 1)
+    ahead, right, back, left = lines[:4, 3:]
+    assert [*ahead, *right, *back, *left] == pytest.approx(
+        [3.9, 1.5, 2.5, 2.0, 1.0, 1.5, 2.5, 1.0], abs=2e-3
+    )
+    crate, pillar = lines[4:8, 1:], lines[8:26, 1:]
+    assert {tuple(corner) for corner in crate[:, :2].round(2).tolist()} == {
+        (5.25, 1.25), (5.75, 1.25), (5.25, 1.75), (5.75, 1.75),
+    }  # fmt: skip
+    assert np.hypot(*(pillar[:, :2] - (4.0, 1.5)).T) == pytest.approx(0.1)
+    assert lines[26, 1:].tolist() == [7.2, 1.1, 7.2, 1.9]
+
+
+@pytest.mark.parametrize("things", [{"crates": 3}, {"people": 2}])
+def test_a_record_is_replayed_bit_for_bit(tmp_path, things):
+    env = DriveEnv(max_seconds=6.0, **things)
     episode = record_episode(env, Ahead(), seed=4)
     assert (episode.agent, episode.seed, episode.steps) == ("Ahead", 4, 60)
     assert episode.reasons[0] == "straight on"
@@ -216,7 +296,7 @@ def test_a_record_is_replayed_bit_for_bit(tmp_path):
     loaded = Episode.load(tmp_path / "drive.npz")
     assert loaded == episode
     assert replay_episode(loaded) == episode
-    again = replay_episode(loaded, backend=DriveEnv(crates=3, max_seconds=6.0, rays=5))
+    again = replay_episode(loaded, backend=DriveEnv(max_seconds=6.0, rays=5, **things))
     assert again.cells == episode.cells
 
 

@@ -228,6 +228,24 @@ export function drawGhost({ context, view, scale, theme }, { ghostX, ghostY }, {
   context.setLineDash([]);
 }
 
+/** Draw the rays of a range scan, if they are wanted, and the outlines of the things around a robot. */
+export function drawThings({ context, view, scale, theme }, { lines, frames }, { frame }, hasRays) {
+  if (!lines) return;
+  for (const isRay of hasRays ? [false, true] : [false]) {
+    const lineWidth = Math.max(0.7 * theme.density, LOOK.lines[isRay ? "ray" : "outline"] * scale);
+    Object.assign(context, { strokeStyle: theme.ink, lineWidth, lineCap: "butt" });
+    context.setLineDash(isRay ? [lineWidth, 2 * lineWidth] : []);
+    context.beginPath();
+    for (let line = 0, at = frame; line < lines.isRay.length; line++, at += frames) {
+      if (lines.isRay[line] !== isRay) continue;
+      context.moveTo(view.x(lines.x[at]), view.y(lines.y[at]));
+      context.lineTo(view.x(lines.toX[at]), view.y(lines.toY[at]));
+    }
+    context.stroke();
+  }
+  context.setLineDash([]);
+}
+
 /** Draw the orders of a fleet that wait at pickups, with their number if it fits. */
 export function drawWaiting(brush, track, moment) {
   if (!track.fleet.orders) return;

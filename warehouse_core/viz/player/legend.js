@@ -13,7 +13,7 @@ const LOOKS = {
   trail: ["line", "robot"], "trail-loaded": ["line dashed", "loaded"], low: ["line", "warning"],
   plan: ["dots", "ink"], plans: ["line", "robot"], wishes: ["dots", "robot"], pushes: ["", "ink", "push"],
   path: ["line", "warning"], hit: ["", "hit", "hit"], ends: ["disc", "light"],
-  ghost: ["ghost", "ink"],
+  ghost: ["ghost", "ink"], ray: ["dots", "ink"], outline: ["line", "ink"],
 };
 
 /** Return the style class, the colour and the shape of a sign. */

@@ -1,6 +1,6 @@
 // One track on the page: its floor, the action of the robot with its reason, its battery and its ending.
 
-import { drawArrows, drawGhost, drawHits, drawItem, drawRobots, drawWaiting } from "./bodies.js";
+import { drawArrows, drawGhost, drawHits, drawItem, drawRobots, drawThings, drawWaiting } from "./bodies.js";
 import { Brush, kept } from "./canvas.js";
 import { copy, element, partOf, setText } from "./elements.js";
 import { drawEnds, drawFloor, drawHeat, drawLetters, drawMarks, drawSight, drawVisits } from "./floor.js";
@@ -75,6 +75,7 @@ export class Panel {
     if (watched !== null) drawTrail(brush, track, watched, moment);
     for (let body = 0; track.slippery.length && body < track.robots; body++) drawSkids(brush, track, body, moment);
     drawLetters(brush, track, moment);
+    drawThings(brush, track, moment, player.hasArrows);
     drawGhost(brush, track, moment);
     if (track.fleet) drawWaiting(brush, track, moment);
     if (player.hasArrows) drawArrows(brush, track, moment);

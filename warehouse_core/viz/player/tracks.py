@@ -207,6 +207,7 @@ def _track(track: Track, times: Sequence[float], columns: Columns) -> dict[str, 
         "ghostY": columns.whole([y for _, y in track.ghost], is_delta=True, unit=FINE),
         "hits": _hits(frames, columns),
         "route": _route(frames, columns),
+        **_lines(frames, columns),
         "energy": columns.real([frame.energy for frame in frames] if track.is_measured else []),
         "battery": columns.real(track.metrics.get("battery", [])),
         "fullBattery": track.full_battery,
@@ -276,6 +277,22 @@ def _route(frames: Sequence[Frame], columns: Columns) -> dict[str, Any] | None:
         "x": columns.whole([x for _, (x, _) in points], is_delta=True, unit=FINE),
         "y": columns.whole([y for _, (_, y) in points], is_delta=True, unit=FINE),
     }
+
+
+def _lines(frames: Sequence[Frame], columns: Columns) -> dict[str, Any]:
+    """Return the rays and outlines of all frames, line after line; missing lines have no length."""
+    most = max(frames, key=lambda frame: len(frame.lines)).lines
+    if not most:
+        return {}
+    ends = np.zeros((len(frames), len(most), 4))
+    for places, frame in zip(ends, frames, strict=True):
+        if frame.lines:
+            places[: len(frame.lines)] = [(*start, *end) for _, start, end in frame.lines]
+    x, y, to_x, to_y = (
+        columns.whole(ends[..., axis].T, is_delta=True, unit=FINE) for axis in range(4)
+    )
+    kinds = [is_ray for is_ray, _, _ in most]
+    return {"lines": {"isRay": kinds, "x": x, "y": y, "toX": to_x, "toY": to_y}}
 
 
 def _marks(marks: Marks, width: int, columns: Columns) -> dict[str, Any]:

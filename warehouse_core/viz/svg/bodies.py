@@ -22,6 +22,7 @@ from warehouse_core.viz.tracks.track import (
     DrawnHit,
     FleetFrame,
     Frame,
+    Line,
     Point,
     Pose,
     Track,
@@ -302,12 +303,20 @@ def _lines(frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
     yield from beat.each(
         (frame.route for frame in frames), lambda route: _path(route, "plan dots") if route else ""
     )
+    yield from beat.each((frame.lines for frame in frames), _outlines)
     drawn: dict[str, list[Span]] = {}
     for number, frame in enumerate(frames):
         for line in _plans(frame):
             extend(drawn.setdefault(line, []), number, number + 1)
     for line, spans in drawn.items():
         yield beat.shown(line, spans)
+
+
+def _outlines(lines: Sequence[Line]) -> str:
+    """Return the outlines of things; a drawing with all rays would be several times as large."""
+    parts = [f"M{_places([at])}L{_places([to])}" for is_ray, at, to in lines if not is_ray]
+    width = UNIT * LOOK["lines"]["outline"]
+    return f'<path d="{"".join(parts)}" class="of-ink" stroke-width="{width:g}"/>' if parts else ""
 
 
 def _plans(frame: Frame) -> Iterator[str]:

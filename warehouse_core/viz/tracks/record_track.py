@@ -27,6 +27,7 @@ from warehouse_core.viz.tracks.track import (
     DrawnHit,
     FleetFrame,
     Frame,
+    Line,
     Pose,
     Push,
     Readings,
@@ -266,16 +267,18 @@ def _frames(record: Episode, frame_seconds: float | None) -> Iterator[Frame]:
     for step, (motion, caption) in enumerate(
         zip(record.motions, step_captions(record), strict=True), start=1
     ):
-        loaded = record.loaded[step]
+        loaded, seen = record.loaded[step], lines_of(motion, record.cell_size)
         if frame_seconds is not None:
             along = frames_along(last, [motion], [loaded], floor, frame_seconds, caption)
             for last in along:
+                last.lines = seen
                 yield last
             continue
         pose = Pose(middle(record.cells[step]), float(motion.path[-1, 3]), loaded)
         hits = tuple(hit_of(contact, record.cell_size) for contact in motion.contacts)
         energy = last.energy + motion.joules if record.drive else 0.0
         last = Frame(rows, (pose,), float(step), caption, hits, last.clock + motion.seconds, energy)
+        last.lines = seen
         yield last
 
 
@@ -546,6 +549,16 @@ def _energy(motion: Outcome, times: Sequence[float]) -> list[float]:
         return [0.0] * (len(times) - 1) + [motion.joules]
     used: list[float] = np.interp(times, motion.path[:, 0], motion.readings[:, 4]).tolist()
     return used
+
+
+def lines_of(motion: Outcome, cell_size: float) -> tuple[Line, ...]:
+    """Return the lines around a robot at the end of a motion, in cells."""
+    if motion.lines is None:
+        return ()
+    return tuple(
+        (bool(is_ray), (x / cell_size, y / cell_size), (to_x / cell_size, to_y / cell_size))
+        for is_ray, x, y, to_x, to_y in motion.lines.tolist()
+    )
 
 
 def impulse_words(impulse: float) -> str:

@@ -126,11 +126,14 @@ def _tiles(track: Track) -> Iterator[Sign]:
 
 
 def _events(track: Track) -> Iterator[Sign]:
-    """Yield the signs of hits, of a planned path, and of a search with its path."""
+    """Yield the signs of hits, lines, a planned path, and a search with its path."""
+    seen = {is_ray for frame in track.frames for is_ray, _, _ in frame.lines}
     yield from _named(
         ghost=bool(track.ghost),
         hit=any(frame.hits for frame in track.frames),
         plan=track.marks is None and any(frame.route for frame in track.frames),
+        ray=True in seen,
+        outline=False in seen,
     )
     if track.marks is not None:
         for color, name in zip(track.marks.colors, track.marks.names, strict=True):

@@ -39,6 +39,9 @@ METRICS = ("rewards", "battery", "dist_pickup", "dist_dropoff")
 TileRows = tuple[str, ...]
 Point = tuple[float, float]
 
+Line = tuple[bool, Point, Point]
+"""A straight line in cells: whether it is a ray of a range scan or part of an outline; its ends."""
+
 
 @dataclass(frozen=True, slots=True)
 class DrawnHit:
@@ -174,6 +177,7 @@ class Frame:
         energy: energy used so far by all robots, in joules; 0 if no bodies measure it.
         route: points of the planned path of the robot; empty if no plan is shown.
         fleet: orders, batteries and plans of a fleet.
+        lines: rays of the range scan of a single robot, and then outlines of things around it.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -192,6 +196,7 @@ class Frame:
     energy: float = 0.0
     route: tuple[Point, ...] = ()
     fleet: FleetFrame | None = None
+    lines: tuple[Line, ...] = ()
 
 
 @dataclass(slots=True)

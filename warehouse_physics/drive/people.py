@@ -1,0 +1,83 @@
+"""People who walk through a warehouse from cell to cell.
+
+A person is a heavy disc that does not know what the robot wants. It walks to the middle of a
+neighbouring cell, and then on to another one at random, back only if there is no other way. It
+stops for a robot that is close ahead, and turns back after it has been held up for a while.
+"""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pymunk
+
+from warehouse_core import Cell, Layout
+from warehouse_core.motion.base import centre_of
+from warehouse_core.world.tiles import MOVE_DELTAS
+from warehouse_physics.spec import RobotSpec
+
+MASS, RADIUS = 75.0, 0.25
+"""Mass of a person in kg, and radius as a share of a cell."""
+
+SPEED, ACCELERATION = 0.6, 2.0
+"""Walking speed in m/s, and largest acceleration in m/s², which limits how hard people push."""
+
+NEAR = 0.5
+"""Distance in cells between the rims of a person and a robot ahead below which the person stops."""
+
+PATIENCE = 3.0
+"""A person turns back after this many times the duration of a free walk to the next cell."""
+
+ARRIVED = 0.05
+"""Distance from the middle of a cell, in cells, at which a person has arrived."""
+
+
+class Person:
+    """A person who starts in the middle of a cell and walks at random, as ``seed`` determines."""
+
+    def __init__(
+        self, layout: Layout, spec: RobotSpec, robot: pymunk.Body, cell: Cell, seed: str
+    ) -> None:
+        self._layout, self._spec, self._robot = layout, spec, robot
+        self._stream = random.Random(seed)
+        self._before = self._target = cell
+        self._waited = 0.0
+        self.body = pymunk.Body(MASS, float("inf"))
+        self.body.position = centre_of(cell, spec.cell_size)
+        self.body.velocity_func = self._walk
+        self.shape = pymunk.Circle(self.body, RADIUS * spec.cell_size)
+
+    def _walk(self, body: pymunk.Body, gravity: Any, damping: float, dt: float) -> None:
+        """Change the velocity of the body in a substep; Chipmunk calls this."""
+        size = self._spec.cell_size
+        way = self._way()
+        self._waited += dt
+        if way.length < ARRIVED * size:
+            self._turn(self._next_cell())
+        elif self._waited > PATIENCE * size / SPEED:
+            self._turn(self._before)
+        way = self._way()
+        wanted = way.normalized() * (0.0 if self._is_held_up(way) else SPEED)
+        change, most = wanted - body.velocity, ACCELERATION * dt
+        body.velocity += change if change.length <= most else change.scale_to_length(most)
+
+    def _way(self) -> pymunk.Vec2d:
+        to_x, to_y = centre_of(self._target, self._spec.cell_size)
+        return pymunk.Vec2d(to_x, to_y) - self.body.position
+
+    def _turn(self, cell: Cell) -> None:
+        self._before, self._target, self._waited = self._target, cell, 0.0
+
+    def _next_cell(self) -> Cell:
+        row, col = self._target
+        around = [(row + down, col + right) for down, right in MOVE_DELTAS.values()]
+        free = [cell for cell in around if self._layout.is_open(cell)]
+        ahead = [cell for cell in free if cell != self._before]
+        return self._stream.choice(ahead or free or [self._target])
+
+    def _is_held_up(self, way: pymunk.Vec2d) -> bool:
+        """Return whether the robot is close ahead."""
+        apart = self._robot.position - self.body.position
+        reach = self._spec.radius + (RADIUS + NEAR) * self._spec.cell_size
+        return apart.length < reach and apart.dot(way) > 0
