@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.vec_env import VecNormalize
 
 from agents.learning.policy_network import DriveNetwork
 from agents.learning.ppo_training import RowsVecEnv, layers_in
@@ -40,7 +41,7 @@ ARGUMENTS: dict[str, Any] = {"rate": 5.0, "rays": 8, "max_seconds": 60.0}
 ENVS, ROUND = 128, 128
 """Rows of the batch, and steps of each row between two updates of the network."""
 
-PARTS = ((0.2, 0.24), (0.6, 0.18), (1.0, 0.58))
+PARTS = ((0.2, 0.07), (0.4, 0.05), (0.6, 0.05), (0.8, 0.05), (1.0, 0.78))
 """Seconds that picking and dropping take in each part of a training, and share of its steps."""
 
 LEARNING_RATE, LAST_RATE = 1e-3, 1e-5
@@ -51,11 +52,13 @@ SETTINGS: dict[str, Any] = {
     "batch_size": 2048,
     "n_epochs": 5,
     "gamma": 0.99,
-    "ent_coef": 0.001,
     "policy_kwargs": {"net_arch": [128, 128], "log_std_init": -0.5},
     "device": "cpu",
 }
 """Settings tuned on the chapter's layout; all others are the defaults of Stable-Baselines3."""
+
+STANDING_WORTH = 3.0
+"""Cells that a second of standing at a station is worth."""
 
 CARRYING = 12.0
 """Cells that are added to the distance of a robot without an item."""
@@ -94,9 +97,10 @@ class ShapedRows(RowsVecEnv):
             lengths = fields[np.arange(ENVS), there[:, 0] * width + there[:, 1]] + off
             best = np.minimum(best, np.where(self._is_open[tuple(there.T)], lengths, np.inf))
         is_there = (cells == goals).all(axis=1)
-        best = np.where(is_there, np.abs(places - rows.goals()).sum(axis=1), best)
+        # At a goal, it only matters that the robot stands.
+        best = np.where(is_there, np.hypot(*rows.state.velocities.T) / 2, best)
         ahead = np.where(rows.has_item, 0.0, CARRYING)
-        potentials: NDArray[np.float64] = rows.stood - best - ahead
+        potentials: NDArray[np.float64] = STANDING_WORTH * rows.stood - best - ahead
         return potentials
 
     def reset(self) -> Any:
@@ -142,8 +146,11 @@ class DriveLearner:
     def __init__(self, layout: Layout, steps: int, seed: int) -> None:
         torch.set_num_threads(1)  # the network is small, and sums are repeatable
         self._layout, self._steps, self._seed = layout, steps, seed
+        self._scaled: VecNormalize | None = None
         self._make(0)
-        self.model = PPO("MlpPolicy", self.rows, learning_rate=LEARNING_RATE, seed=seed, **SETTINGS)
+        self.model = PPO(
+            "MlpPolicy", self._scaled, learning_rate=LEARNING_RATE, seed=seed, **SETTINGS
+        )
         self.model.set_logger(Logger(None, []))  # the default one leaves a folder behind
 
     def learn(self, watch: WatchDrive) -> None:
@@ -151,7 +158,7 @@ class DriveLearner:
         done = 0
         for part, (_, share) in enumerate(PARTS):
             self._make(part)
-            self.model.set_env(self.rows)
+            self.model.set_env(self._scaled)
             if part == len(PARTS) - 1:
                 self.model.learning_rate = lambda left: LEARNING_RATE * left + LAST_RATE
                 self.model._setup_lr_schedule()
@@ -159,8 +166,13 @@ class DriveLearner:
             done += self.model.num_timesteps
 
     def network(self) -> DriveNetwork:
-        """Return a copy of the network."""
-        return DriveNetwork(BACKEND, layers_in(self.model))
+        """Return a copy of the network, whose first layer takes observations as they are."""
+        assert self._scaled is not None
+        (weights, biases), *others = layers_in(self.model)
+        scale = np.sqrt(self._scaled.obs_rms.var + self._scaled.epsilon)
+        weights = weights / scale
+        first = weights, biases - weights @ self._scaled.obs_rms.mean
+        return DriveNetwork(BACKEND, [first, *others])
 
     def save(self, path: Path) -> None:
         """Write the file that ``DrivePolicy.load`` reads."""
@@ -169,6 +181,11 @@ class DriveLearner:
     def _make(self, part: int) -> None:
         dwell = PARTS[part][0]
         self.rows = ShapedRows(self._layout, dwell, (self._seed * len(PARTS) + part) * ENVS)
+        # The network learns from observations with mean 0 and variance 1, in all parts the same.
+        scaled, before = VecNormalize(self.rows, norm_reward=False), self._scaled
+        if before is not None:
+            scaled.obs_rms = before.obs_rms
+        self._scaled = scaled
 
 
 class _EachRound(BaseCallback):
