@@ -73,7 +73,7 @@ class Circulation(PlacePlanner):
         places = situation.cells if places is None else places
         self._read(situation, places)
         self._robots.random[0] = int(self._random.integers(1, 2**31))
-        choose_first(self._robots, self._auction, self._fields.table)
+        choose_first(self._robots, self._auction, self.fields.table)
         self._places, self._aims = (
             np.array(each, places.dtype) for each in (self._robots.places, self._auction.targets)
         )
@@ -83,11 +83,11 @@ class Circulation(PlacePlanner):
         """Begin an episode of the given number of robots."""
         graph = self.graph
         flat = graph.with_costs(graph.costs) if graph.turn_cost else graph
-        self._fields = HeadedFields(graph) if has_headings else Fields(flat, graph)
+        self.fields = HeadedFields(graph) if has_headings else Fields(flat, graph)
         self._random = np.random.default_rng(self.seed)
         self._memory = Memory(graph, self._random.random(robots))
         self._robots = robots_of(graph.size, robots, self.seed)
-        self._auction = auction_on(self._fields, robots, self.patience)
+        self._auction = auction_on(self.fields, robots, self.patience)
         self._places, self._aims = np.full((2, robots), NONE)
 
     def _read(self, situation: Situation, places: Integers) -> None:
@@ -96,17 +96,17 @@ class Circulation(PlacePlanner):
         self._memory.order(cells, goals, urgent)
         weights = np.minimum(self.patience + self._memory.ages, MOST_PATIENCES * self.patience)
         weights[urgent] *= URGENCY
-        rows, robots, auction = self._fields.rows(goals), self._robots, self._auction
+        rows, robots, auction = self.fields.rows(goals), self._robots, self._auction
         is_closed = self.graph.closed_with(closed)
         aims = np.where(
             (places == self._places) & ~stays & (is_closed[self._aims] == 0), self._aims, NONE
         )
-        rests = (goals == cells) | (self._fields.matrix[rows, places] >= FAR)
+        rests = (goals == cells) | (self.fields.matrix[rows, places] >= FAR)
         rests |= waits_for_exits(self._outward, cells, goals)
         for kept, new in (
             (auction.here, places), (auction.aims, kept_aims(self.graph.size, cells, aims)),
             (auction.rests, rests), (robots.goals, np.where(rests, cells, goals)),
-            (robots.rows, rows * self._fields.matrix.shape[1]), (auction.weights, weights),
+            (robots.rows, rows * self.fields.matrix.shape[1]), (auction.weights, weights),
             (robots.stays, stays), (robots.is_closed, is_closed),
         ):  # fmt: skip
             kept[:] = buffer_of(new.astype(np.int64))

@@ -45,7 +45,6 @@ class PIBT(PlacePlanner):
             the time to brake, turn and speed up, divided by the time for a cell.
 
     Attributes:
-        fields: distances to the robots' goals.
         pushers: ``[R]``, robot that made each robot choose before its turn in the last step, or
             ``NOBODY``.
 

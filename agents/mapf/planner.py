@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import PlanError
-from agents.mapf.graph import CLOSED, Graph, robots_in
+from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
 from agents.mapf.problem import Plan, Problem
+from agents.mapf.waypoints import Waypoints
 from warehouse_core.wording import brief, counted
 from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tables import Integers
@@ -108,10 +109,12 @@ class PlacePlanner(ABC):
 
     Attributes:
         graph: graph whose costs the robots follow.
+        fields: distances to the goals of the robots, at the latest after ``_begin``.
         knows_headings: true if ``next_places`` plans for robots that drive forward and turn.
     """
 
     graph: Graph
+    fields: Fields
     knows_headings = True
 
     def reset(self) -> None:
@@ -142,7 +145,9 @@ class PlacePlanner(ABC):
         if episode != self._begun_for:
             self._begin(*episode)
             self._begun_for = episode
-        return self._choose(situation, places)
+            self._waypoints = Waypoints(self.fields, len(situation.cells))
+        goals = self._waypoints.toward(situation.goals, situation.cells)
+        return self._choose(situation._replace(goals=goals), places)
 
     @abstractmethod
     def _begin(self, robots: int, has_headings: bool) -> None:

@@ -137,8 +137,8 @@ class WindowedPlanner(PlacePlanner):
 
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Make the buffers for the given number of robots."""
-        self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
-        floor, times = self._fields.floor, self.window + 1
+        self.fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
+        floor, times = self.fields.floor, self.window + 1
         self._robots = robots_of(self.graph.size, robots, self.seed)
         self._rounds, self._kind = self._make_rounds(robots, has_headings), 0
         self._outward = dead_ends(self.graph)
@@ -165,18 +165,18 @@ class WindowedPlanner(PlacePlanner):
             rounds = [(roll_epibt, epibt_of(self.graph.neighbours[:, :WAIT], robots))]
         if self.graph.turn_cost:
             return rounds
-        return [*rounds, (roll_circulation, auction_on(self._fields, robots, 1))]
+        return [*rounds, (roll_circulation, auction_on(self.fields, robots, 1))]
 
     def _read(self, situation: Situation) -> None:
         """Load a situation into the buffers: robots, goals and priorities."""
-        graph, cells, goals = self._fields.graph, situation.cells, situation.goals
+        graph, cells, goals = self.fields.graph, situation.cells, situation.goals
         goals = np.where(waits_for_exits(self._outward, cells, goals), cells, goals)
-        rows = self._fields.rows(goals)
-        is_away = self._fields.matrix[rows, self._here] == FAR
+        rows = self.fields.rows(goals)
+        is_away = self.fields.matrix[rows, self._here] == FAR
         if is_away.any():  # an unreachable goal is treated as no goal
             goals = np.where(is_away, cells, goals)
-            rows = self._fields.rows(goals)
-        self._table = self._fields.table
+            rows = self.fields.rows(goals)
+        self._table = self.fields.table
         self._has_new_goal = goals != self._memory.goals
         self._order = buffer_of(self._memory.order(cells, goals, situation.urgent))
         robots = self._robots
@@ -188,7 +188,7 @@ class WindowedPlanner(PlacePlanner):
 
     def _continue(self, situation: Situation) -> None:
         """Continue the last plan, or replace it with a new one if that is better."""
-        floor, routes, table = self._fields.floor, self._routes, self._table
+        floor, routes, table = self.fields.floor, self._routes, self._table
         places, found = self._places, []
         if self._mend(situation):
             self._roll(self.window - 1, self._kind)
@@ -209,7 +209,7 @@ class WindowedPlanner(PlacePlanner):
         """Write the places at all times after ``first``."""
         self._robots.order[:] = self._order
         roll, state = self._rounds[kind]
-        roll(self._fields.floor, self._routes, self._robots, state, self._table, first, self.window)
+        roll(self.fields.floor, self._routes, self._robots, state, self._table, first, self.window)
 
     def _mend(self, situation: Situation) -> bool:
         """Shift the plan by a step, and replan robots that can no longer follow it.
@@ -237,10 +237,10 @@ class WindowedPlanner(PlacePlanner):
             if not more.any():
                 break
             is_lost |= more
-        reserve_only(self._fields.floor, self._routes, np.flatnonzero(~is_lost))
+        reserve_only(self.fields.floor, self._routes, np.flatnonzero(~is_lost))
         for robot in self._order:
             if is_lost[robot]:
-                floor, routes = self._fields.floor, self._routes
+                floor, routes = self.fields.floor, self._routes
                 if find_route(floor, routes, self._frontier, self._table, robot, FAR, 0) == NONE:
                     return False
                 reserve(floor, routes, robot, robot + 1)
@@ -248,7 +248,7 @@ class WindowedPlanner(PlacePlanner):
 
     def _refine(self, deadline: float) -> None:
         """Replan robots with new goals, and then groups, until all are done or time is up."""
-        floor, routes = self._fields.floor, self._routes
+        floor, routes = self.fields.floor, self._routes
         reserve_only(floor, routes, np.arange(len(self._places)))
         replanned = buffer_of(np.flatnonzero(self._has_new_goal))
         search = floor, routes, self._frontier, self._groups, self._table

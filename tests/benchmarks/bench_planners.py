@@ -300,6 +300,7 @@ def test_a_step_of_ten_thousand_robots(measured) -> None:
     measured(
         "a step of PIBT, 10,000 robots, 140 x 500 cells",
         f"{np.median(times):.3f} s of CPU time, at most {max(times):.3f} s; "
-        f"distances to 10,000 goals {first:.0f} s, {planner.fields.matrix.nbytes / 1e9:.2f} GB",
+        f"the first {first:.1f} s; distance fields {planner.fields.matrix.nbytes / 1e6:.0f} MB",
     )
-    assert max(times) < 0.1
+    assert np.median(times) < 0.1
+    assert first < 5

@@ -569,16 +569,20 @@ def _flat_in_the_way(episode: Episode) -> Evidence | None:
 
 def _supply(episode: Episode) -> str:
     """Return the end of a sentence about flat batteries: the chargers, and the lost orders."""
-    used, lost = _charger_use(episode), episode.measures.lost
-    chargers = f"; {used.sentence}" if used else ""
-    return chargers + (f"; {counted(lost, 'order')} can no longer be delivered" if lost else "")
+    used = _charger_use(episode)
+    return (f"; {used.sentence}" if used else "") + _lost(episode)
+
+
+def _lost(episode: Episode) -> str:
+    lost = episode.measures.lost
+    return f"; {counted(lost, 'order')} can no longer be delivered" if lost else ""
 
 
 def _stranded(episode: Episode) -> Evidence | None:
     robots, cells, failed = _flat(episode), _ends(episode), episode.measures.stranded
     if not robots:
         # A record has the battery level of each robot, but of failures only their number.
-        sentence = f"{counted(failed, 'robot')} failed permanently{_supply(episode)}"
+        sentence = f"{counted(failed, 'robot')} failed permanently{_lost(episode)}"
         return Evidence(sentence, (), 0, ()) if failed else None
     sentence = f"{_named(robots, cells)} ran out of battery{_supply(episode)}"
     return Evidence(sentence, [cells[robot] for robot in robots], 0, robots)
