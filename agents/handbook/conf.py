@@ -23,7 +23,6 @@ html_title = f"{project} {release}"
 html_show_copyright = False
 html_show_sphinx = False
 html_static_path = html_css_files = ["site.css"]
-exclude_patterns = ["*.ipynb"]  # made from pages
 html_extra_path = ["llms.txt", "mini_lab.ipynb"]
 
 # The cells are executed each time, in a folder that is removed. An error ends the build.
