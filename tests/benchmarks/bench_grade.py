@@ -271,7 +271,7 @@ def test_all_get_the_points_they_deserve_among_hostile_agents(
     folder.mkdir()
     copies.mkdir()
     points, before = write_hostile(folder), left_behind()
-    rubric = load_rubric(write_rubric(tmp_path, RUBRIC.replace("episodes = 4", "episodes = 2")))
+    rubric = load_rubric(write_rubric(tmp_path, PATIENT.replace("episodes = 4", "episodes = 2")))
     with nothing_left_in(copies):
         rows = grade_folder(folder, None, rubric, tmp_path / "grades.csv", None, user, jobs)
     assert rows.keys() == points.keys()

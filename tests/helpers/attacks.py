@@ -254,7 +254,9 @@ ENTRIES = {
     "link.zip": Entry(archive("agent.py", 0o120777, "/etc/passwd"), 0),
     "pipe.zip": Entry(archive("agent.py", 0o010666), 0),
     "twice.zip": Entry(archive("agent.py", again="AGENT.PY"), 0),
-    "composed.zip": Entry(archive("caf\u00e9/agent.py", again="cafe\u0301/notes.txt"), 100),
+    "composed.zip": Entry(
+        archive("\u00e9t\u00e9/agent.py", again="e\u0301te\u0301/notes.txt"), 100
+    ),
     "Thumbs.db": Entry(code("x"), None),
     ".DS_Store": Entry(code("x"), None),
     "desktop.ini": Entry(code("x"), None),

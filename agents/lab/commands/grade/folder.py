@@ -24,11 +24,10 @@ from agents.lab.grading.grades import (
     POINTS,
     RUBRIC,
     GradeRow,
+    GradeTable,
     columns_of,
     failed_row,
-    load_grades,
     row_of,
-    save_grades,
     summary_of,
 )
 from agents.lab.grading.gradescope import results_of
@@ -60,7 +59,7 @@ def grade_folder(
 ) -> dict[str, GradeRow]:
     """Grade the submissions in a folder that have changed, and return the table of grades.
 
-    The table is written after each submission.
+    The table is written after each submission, unless another program has changed it meanwhile.
 
     Args:
         folder: folder of the submissions.
@@ -83,10 +82,10 @@ def grade_folder(
     ours = [target, *rubric.files, rubric.starter, *([pages] if pages else []), *other]
     found = list(in_folder(folder, kind, ours))
     days_of = _days_of(folder, found, late or {})
-    before, rows = load_grades(target, columns_of(rubric)), dict[str, GradeRow]()
-    find, waiting = finder_of(before), list[Submission]()
+    table, rows = GradeTable(target, columns_of(rubric)), dict[str, GradeRow]()
+    find, waiting = finder_of(table.before), list[Submission]()
     for each in found:
-        row = before.get(find(printable(each.name)) or "")
+        row = table.before.get(find(printable(each.name)) or "")
         if isinstance(each, Unusable):
             rows[each.name] = failed_row(each.name, each.reason, rubric, late=days_of[each.name])
         elif _is_done(each, row, rubric, days_of[each.name]) and (
@@ -96,7 +95,7 @@ def grade_folder(
             rows[each.name] = row | {NAME: printable(each.name)}
         else:
             waiting.append(each)
-    save_grades(target, columns_of(rubric), rows)
+    table.save(rows)
     try:
         with (
             Processes(max(min(count, len(waiting)), 1), watchdog) as pool,
@@ -109,7 +108,7 @@ def grade_folder(
             for number, future in enumerate(as_completed(futures), 1):
                 each = futures[future]
                 rows[each.name] = _row(future, each, rubric, days_of[each.name])
-                save_grades(target, columns_of(rubric), rows)
+                table.save(rows)
                 advance(number, each.name)
     except KeyboardInterrupt:
         done = f"{len(rows)} of {counted(len(found), 'submission')} are in {target}"
