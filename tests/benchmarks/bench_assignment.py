@@ -28,7 +28,6 @@ from warehouse_core.world.named_layouts import DEPOT, find_layout
 from warehouse_core.world.tiles import WALL
 
 ROBOTS, STEPS, SEEDS = 96, 1000, range(20)
-LONG_STEPS, LONG_SEEDS = 10_000, range(10)
 PLANNER = "pibt:guidance=lanes"
 DUE = (60, 240)
 STATIONS: Any = {"seed": 1, "pickups": 400, "dropoffs": 60, "chargers": 90}

@@ -244,7 +244,7 @@ def test_robots_alone_are_nearly_as_fast_as_force_and_speed_allow(
     assert ratios.max() <= MAX_ALONE
 
 
-ORDERS_OF_A_ROBOT, MAX_STEPS, LATE = 2, 1200, 100_000
+MAX_STEPS, LATE = 1200, 100_000
 
 
 RANDOM_PLANS = int(os.environ.get("WAREHOUSE_PLANS", "100"))

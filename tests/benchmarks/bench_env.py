@@ -69,7 +69,7 @@ def test_importing_the_core_costs_little_beyond_numpy(times_faster, capsys):
     assert ratio >= 0.5
 
 
-GYM_STEPS, PHYSICS_STEPS, FRAMES = 30_000, 3_000, 200
+GYM_STEPS, FRAMES = 30_000, 200
 BATCH, BATCH_STEPS = 4096, 25
 WARM_UP = 250
 EPISODE, WAIT = 200, 4

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-import tracemalloc
 from time import perf_counter
 
 import numpy as np
@@ -13,7 +12,7 @@ from matplotlib.figure import Figure
 
 from agents.run_episode import run_episode
 from warehouse_core import Episode, WarehouseEnv, random_layout, record_episode, shelf_layout
-from warehouse_core.warehouse_viz import replay_animation, save_frames_to_svg
+from warehouse_core.warehouse_viz import replay_animation
 
 STEPS = 100
 TILES = "#.PDRr"
@@ -124,17 +123,3 @@ def test_a_frame_of_a_fifty_by_fifty_grid(times_faster):
     draw_ours()
     assert len(frames) / (perf_counter() - start) >= 30
     assert times_faster(draw_ours, draw_plain, rounds=3) >= 1.0
-
-
-def test_a_thousand_svg_frames_take_no_more_memory_than_a_hundred(tmp_path, capsys):
-    peaks = {}
-    for steps in (99, 999):
-        episode = episode_of(steps)
-        tracemalloc.start()
-        save_frames_to_svg(episode, tmp_path / str(steps))
-        peaks[steps + 1] = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        assert len(list((tmp_path / str(steps)).glob("frame_*.svg"))) == steps + 1
-    with capsys.disabled():
-        print("\npeak memory by frames:", {n: f"{p / 1e6:.1f} MB" for n, p in peaks.items()})
-    assert peaks[1000] < peaks[100] + 4e6

@@ -77,11 +77,6 @@ def patch(
     return image[first_row : last_row + 1, first_column : last_column + 1]
 
 
-def is_color(pixel: NDArray[Any], color: tuple[float, float, float]) -> bool:
-    """Return whether a pixel is ``color`` (0..1), to the nearest step of 1/255."""
-    return count_color(pixel, color) == 1
-
-
 def count_color(image: NDArray[Any], color: tuple[float, float, float]) -> int:
     """Return how many pixels are ``color`` (0..1), to the nearest step of 1/255."""
     return int((np.abs(image - 255 * np.array(color)) <= 0.5 + 1e-9).all(axis=-1).sum())

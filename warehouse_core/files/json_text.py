@@ -37,9 +37,7 @@ A string without an end matches too, so that each character is read only once.
 """
 
 
-def parse_object(
-    data: bytes, max_bytes: int = MAX_BYTES, max_items: int = MAX_ITEMS
-) -> dict[str, Any]:
+def parse_object(data: bytes, max_bytes: int = MAX_BYTES) -> dict[str, Any]:
     """Return the JSON object in a UTF-8 text.
 
     Raises:
@@ -48,8 +46,8 @@ def parse_object(
     if len(data) > max_bytes:
         raise ValueError(f"{len(data):,} bytes of JSON are more than MAX_BYTES = {max_bytes}")
     items = sum(map(data.count, (b",", b"[", b"{")))
-    if items > max_items:
-        raise ValueError(f"{items:,} values are more than MAX_ITEMS = {max_items}")
+    if items > MAX_ITEMS:
+        raise ValueError(f"{items:,} values are more than MAX_ITEMS = {MAX_ITEMS}")
     text = data.decode("utf-8-sig")
     brackets = _NO_BRACKETS.sub("", text)
     depth = max(accumulate(1 if each in "[{" else -1 for each in brackets), default=0)

@@ -7,7 +7,7 @@ from warehouse_core.world.actions import DISPLACEMENTS
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
 
-MOVING, STANDING = (nominal_joules(0.5, moving=moving) for moving in (True, False))
+STANDING = nominal_joules(0.5, moving=False)
 
 
 @pytest.mark.parametrize(("floors", "robots"), [(3, 1), (3, 6), (1, 6), (1, 12)])

@@ -1,7 +1,6 @@
 """The pixels and texts of a scene."""
 
 import dataclasses
-from typing import Any
 
 import pytest
 from helpers.fleets import fleet_episode
@@ -12,11 +11,9 @@ from helpers.pictures import (
     pixels,
     replay_of,
     short_episode,
-    texts,
 )
 
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
-from warehouse_core.motion.base import Contact
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import (
     COLORS,
@@ -25,8 +22,6 @@ from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
-
-BARE = ["#####", "#P.D#", "#..R#", "#####"]
 
 
 def test_the_action_and_its_reason_are_the_largest_words() -> None:
@@ -55,34 +50,6 @@ def test_a_layout_of_any_shape_fits_into_the_picture(height: int, width: int) ->
     # On cells this small the robot is larger than a cell, so that it can be seen.
     grid = patch(replay, pixels(replay), 0.0, 0.0, width - 0.01, height - 0.01)
     assert count_color(grid, COLORS["R"]) > 5
-
-
-# Texts.
-
-
-def test_the_words_of_each_frame_count_steps_and_say_what_was_done() -> None:
-    replay = replay_of(short_episode())
-    for frame, done in enumerate(
-        ("", "North: why not", "West", "Pick up", "East", "East", "DELIVERED")
-    ):
-        replay.go_to(frame)
-        assert {f"step {frame} of 6", done} - {""} <= {*texts(replay)}
-        assert ("North: why not" in texts(replay)) == (frame == 1)
-        assert ("DELIVERED" in texts(replay)) == (frame == 6)
-
-
-def test_the_legend_has_what_is_in_the_picture_and_nothing_else() -> None:
-    def legend_of(frames: Any) -> list[str]:
-        (legend,) = replay_of(frames).figure.legends
-        return [text.get_text() for text in legend.get_texts()]
-
-    assert legend_of([BARE]) == ["R robot (empty)", "item", "P pickup", "D dropoff", "wall"]
-    assert legend_of([["r.D"], [".rD"]]) == [
-        "r robot (loaded)", "item", "trail, loaded", "D dropoff"
-    ]  # fmt: skip
-    bump = short_episode().motions[0]._replace(contacts=(Contact(0.1, 2.0, (2.5, 1.0), "wall"),))
-    words = legend_of(short_episode(motions=[bump, *short_episode().motions[1:]]))
-    assert {"hit", "outside the robot's view", "trail, empty", "R robot (empty)"} <= {*words}
 
 
 # Tracks that grow.

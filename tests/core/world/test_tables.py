@@ -10,7 +10,6 @@ from warehouse_core.world.tables import (
 
 SHOP = Layout(["P.#", "D.."])
 LANE = Layout([".#P."])
-NO, YES = False, True
 
 
 def test_bare_layouts_keep_their_walls_but_no_stations() -> None:

@@ -23,7 +23,6 @@ def draw_grid(
     every: int,
     line_width: float,
     *,
-    zorder: float = 0.5,
     label_size: float = SMALLEST,
     pad: float = 1.0,
 ) -> None:
@@ -48,7 +47,7 @@ def draw_grid(
         lines = [((x, 0), (x, height)) for x in range(width + 1)]
         lines += [((0, y), (width, y)) for y in range(height + 1)]
         axes.add_collection(
-            LineCollection(lines, colors=[FAINT], linewidths=line_width, zorder=zorder)
+            LineCollection(lines, colors=[FAINT], linewidths=line_width, zorder=0.5)
         )
     for axis, count in ((axes.xaxis, width), (axes.yaxis, height)):
         numbers = range(0, count, every)

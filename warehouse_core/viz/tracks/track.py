@@ -288,11 +288,6 @@ class Track:
         return 0 if self.frames[-1].clock > LONG_SECONDS else 1
 
     @property
-    def clocks(self) -> list[float]:
-        """``[S]`` simulated seconds at which each step is complete."""
-        return [self.frames[end].clock for end in self.ends]
-
-    @property
     def still(self) -> int:
         """Number of the most informative frame, for a still picture.
 

@@ -16,8 +16,6 @@ from agents.lab.experiments.store import Store
 from agents.lab.experiments.sweep import PRESETS
 from agents.lab.parameters import PARAMETERS
 
-BIG = "1" + 400 * "0"
-
 
 def to(text: str) -> str:
     return f"[settings]\n{text}"

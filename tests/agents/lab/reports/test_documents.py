@@ -1,4 +1,4 @@
-"""Names cannot do harm in any page or picture; ``bench_injection.py`` tries each of them alone."""
+"""Names cannot do harm in any page or picture."""
 
 from pathlib import Path
 

@@ -52,7 +52,7 @@ def test_robots_and_then_people_are_where_the_record_has_them(episode: FleetEpis
         assert places == [divmod(cell, SHELVES.width) for cell in row]
     loaded = [[pose.loaded for pose in frame.robots if pose] for frame in track.frames]
     assert loaded == [[*row, False, False] for row in episode.loaded.tolist()]
-    assert track.clocks == [float(second) for second in range(81)]
+    assert [frame.clock for frame in track.frames] == [float(second) for second in range(81)]
 
 
 def test_orders_wait_at_their_pickups_and_age(episode: FleetEpisode) -> None:
