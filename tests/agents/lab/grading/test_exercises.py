@@ -118,7 +118,7 @@ def test_neither_our_agents_nor_our_solutions_are_answers(tmp_path: Path) -> Non
 
 
 def test_there_are_exercises_for_every_measure_that_the_mini_lab_does_not_have() -> None:
-    assert [f"exercise-{number:02}" for number in range(1, 27)] == NAMES
+    assert [f"exercise-{number:02}" for number in range(1, 29)] == NAMES
     assert [path.stem for path in sorted(SOLUTIONS.glob("*.py"))] == NAMES
     rubrics = [load_rubric(path) for path in (MINI_LAB, *map(find_rubric, map(Path, NAMES)))]
     assert {each.kind for rubric in rubrics for each in rubric.criteria} == MEASURES.keys()
@@ -136,4 +136,4 @@ def test_an_exercise_is_begun_and_graded_by_its_name(
     assert "Exercise 2: how far is it?: mine.py\n" in out
     assert out.endswith("100 of 100 points\n")
     line = refused("grade", "mine.py", "--rubric", "exercise-99")
-    assert "no rubric exercise-99; allowed: a file, or exercise-01 to exercise-26" in line
+    assert "no rubric exercise-99; allowed: a file, or exercise-01 to exercise-28" in line
