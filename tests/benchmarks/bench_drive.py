@@ -1,7 +1,8 @@
 """Continuous control: control steps per second, with VMAS as the baseline, and long runs.
 
 The environment variable ``VMAS_PYTHON`` names a Python that has VMAS; without it there is no
-baseline. A robot of VMAS has no walls, and two robots share an environment.
+baseline. A robot of VMAS has no walls, and two robots share an environment. ``DRIVE_NETWORK`` names
+a file of ``warehouse train drive``, which is then compared with followers.
 """
 
 import os
@@ -15,6 +16,8 @@ import pytest
 from helpers.drive_rows import rows_on
 
 from agents.drive import Follower
+from agents.lab.training.driving import EXAM_SEED
+from agents.learning import DrivePolicy
 from agents.registry import make_agent
 from warehouse_core import Layout, record_episode
 from warehouse_core.records import drive_summary
@@ -25,6 +28,9 @@ WORKER = Path(__file__).with_name("vmas_worker.py")
 
 STEPS = 200_000
 """Control steps of all rows in a measurement."""
+
+EPISODES = 100
+"""Episodes of each driver, from the seed of the exam on."""
 
 CASES = [(256, 0, 350_000), (4096, 0, 150_000), (4096, 16, 90_000)]
 """Rows, rays of each, and control steps per second to reach."""
@@ -105,6 +111,33 @@ def test_the_follower_delivers_in_300_episodes_without_a_hit(measured, drive):
         seconds.append(summary.seconds)
     measured(f"follower on A*, {drive}", f"{np.mean(seconds):.1f} s, {hits} hits")
     assert hits == 0
+
+
+@pytest.mark.parametrize(
+    "trouble", ["nominal", "noise=0.1", "grip=0.1"], ids=["nominal", "noise", "slippery"]
+)
+@pytest.mark.parametrize("agent", ["greedy", "astar", "network"])
+def test_drivers_of_a_disc(measured, agent, trouble):
+    file = os.environ.get("DRIVE_NETWORK")
+    if agent == "network" and not file:
+        pytest.skip("DRIVE_NETWORK names no file")
+    policy = DrivePolicy.load(Path(file)) if file and agent == "network" else None
+    name = policy.backend if policy else "drive:drive=omnidirectional"
+    env = DriveEnv.from_name(name if trouble == "nominal" else f"{name},{trouble}")
+    records = []
+    for seed in range(EPISODES):
+        driver = policy or Follower(env, make_agent(agent, seed, env.layout))
+        records.append(record_episode(env, driver, seed=EXAM_SEED + seed))
+    delivered = [each for each in records if each.outcome == "delivered"]
+    means = [
+        np.mean([getattr(drive_summary(each), name) for each in delivered])
+        for name in ("seconds", "joules", "hits")
+    ]
+    seconds, joules, hits = means
+    share = len(delivered) / EPISODES
+    words = f"{share:.1%} delivered, {seconds:.1f} s, {joules:,.0f} J, {hits:.2f} hits"
+    measured(f"{agent} drives a disc, {trouble}", words)
+    assert share > 0.2
 
 
 def test_memory_does_not_grow(measured):
