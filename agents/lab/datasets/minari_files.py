@@ -27,7 +27,11 @@ try:
     import minari
     from h5py import h5a, h5d, h5g, h5p, h5s, h5t
     from minari.dataset.minari_storage import MinariStorage
-    from minari.namespace import create_namespace, list_local_namespaces
+    from minari.namespace import (
+        NAMESPACE_METADATA_FILENAME,
+        create_namespace,
+        list_local_namespaces,
+    )
     from minari.storage import get_dataset_path
 except ImportError as error:
     raise StoreError(
@@ -97,7 +101,11 @@ def _prepare(name: str) -> Path:
     path = Path(get_dataset_path(check_name(name))).absolute()
     space = Path(name).parent.as_posix()
     if space != "." and space not in list_local_namespaces():
-        create_namespace(space)
+        try:
+            create_namespace(space)
+        except OSError as error:  # of a full disk, which names no file
+            (path.parent / NAMESPACE_METADATA_FILENAME).unlink(missing_ok=True)
+            raise OSError(error.errno, error.strerror, str(path)) from error
     return path
 
 

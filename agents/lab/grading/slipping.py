@@ -11,7 +11,7 @@ from warehouse_core.arguments import real_number
 STAY = (0, 0)
 
 
-class SlippingGrid:
+class SlippingGrid(GridMotion):
     """A motion by whole cells in which moves sometimes go to the left or right of their direction.
 
     After slipping, robots move as in ``GridMotion``.
@@ -26,22 +26,17 @@ class SlippingGrid:
     """
 
     def __init__(self, chance: float = 0.2) -> None:
-        self.chance = real_number("chance", chance, 0, 1)
-        self._grid, self._random = GridMotion(), random.Random()
-        self.cell_size = self._grid.cell_size
+        super().__init__()
+        self.chance, self._random = real_number("chance", chance, 0, 1), random.Random()
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Place the robots, and seed the random numbers; see ``Motion.reset``."""
-        self._grid.reset(layout, cells, seed)
+        super().reset(layout, cells, seed)
         self._random = random.Random(seed)
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         """Move every robot by one action; see ``Motion.advance``."""
-        return self._grid.advance([*map(self._slipped, displacements)], loaded)
-
-    def close(self) -> None:
-        """Forget the robots; see ``Motion.close``."""
-        self._grid.close()
+        return super().advance([*map(self._slipped, displacements)], loaded)
 
     def _slipped(self, displacement: Cell) -> Cell:
         number = self._random.random()

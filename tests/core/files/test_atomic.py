@@ -1,9 +1,19 @@
 import errno
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
+from helpers.command_line import in_a_process
 
+from warehouse_core import Layout
+from warehouse_core.files import write_arrays
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.files.tables import write_table
 
 
 def test_a_file_appears_complete(tmp_path: Path) -> None:
@@ -77,3 +87,54 @@ def test_an_error_of_another_file_keeps_its_name(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError) as caught, atomic_path(tmp_path / "film.gif"):
         (tmp_path / "ffmpeg").open()
     assert caught.value.filename == str(tmp_path / "ffmpeg")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
+def test_a_writer_that_is_killed_leaves_the_old_file(tmp_path: Path) -> None:
+    target = tmp_path / "agent.npz"
+    target.write_text("old")
+    program = (
+        "import os, signal, sys\n"
+        "from warehouse_core.files import atomic_path\n"
+        "with atomic_path(sys.argv[1]) as part:\n"
+        "    part.write_text('half of')\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    done = in_a_process("-c", program, str(target), folder=tmp_path)
+    assert (done.code, target.read_text()) == (-signal.SIGKILL, "old")
+
+
+@pytest.fixture
+def full_disk(tmp_path: Path) -> Iterator[Path]:
+    """Return a folder on a disk of its own with 4 KiB left and an old file; only root can."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    words = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(folder)]
+    if not shutil.which("mount") or subprocess.run(words, capture_output=True).returncode:
+        pytest.skip("only root can mount a disk")
+    try:
+        (folder / "old").write_text("old")
+        (folder / "filler").write_bytes(bytes(52 * 1024))
+        yield folder
+    finally:
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+NOISE = np.random.default_rng(1).random(10_000)
+WRITERS: dict[str, Callable[[Path], object]] = {
+    "arrays": lambda path: write_arrays(path, {"noise": NOISE}, {"noise": ("<f8", 1)}),
+    "table": lambda path: write_table(path, ["noise"], [[str(each)] for each in NOISE]),
+    "text": lambda path: Layout(["." * 300] * 300).save(path),
+}
+"""Writers of files that need more than 4 KiB."""
+
+
+@pytest.mark.parametrize("writer", WRITERS)
+def test_on_a_full_disk_the_old_file_stays_and_the_message_names_it(
+    full_disk: Path, writer: str
+) -> None:
+    target, before = full_disk / "old", [*full_disk.iterdir()]
+    with pytest.raises(OSError, match=rf"No space left on device: '{target}'$"):
+        WRITERS[writer](target)
+    assert target.read_text() == "old"
+    assert [*full_disk.iterdir()] == before

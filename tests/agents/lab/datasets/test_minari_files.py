@@ -1,5 +1,6 @@
 """Minari datasets, which Minari reads exactly as they were recorded."""
 
+import errno
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -7,8 +8,10 @@ from typing import Any
 import minari
 import numpy as np
 import pytest
+from minari.namespace import create_namespace
 
 from agents.errors import StoreError
+from agents.lab.datasets import minari_files
 from agents.lab.datasets.minari_files import DATA, FILE, check_name, save_dataset
 from agents.lab.datasets.source import FIELDS, EpisodeArrays, Source
 
@@ -95,6 +98,19 @@ def test_a_dataset_is_never_incomplete(datasets: Path) -> None:
     assert [path.name for path in datasets.rglob("*")] == ["space", "namespace_metadata.json"]
     save_dataset("space/part-v0", source, source.episodes(SEEDS))
     assert minari.list_local_datasets().keys() == {"space/part-v0"}
+
+
+def test_on_a_full_disk_no_namespace_is_left_and_the_dataset_is_named(
+    datasets: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(name: str) -> None:
+        create_namespace(name)
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(minari_files, "create_namespace", fails)
+    with pytest.raises(OSError, match=rf"No space left on device: '{datasets}/space/part-v0'$"):
+        save_dataset("space/part-v0", lone(), [])
+    assert minari.namespace.list_local_namespaces() == []
 
 
 def test_a_name_must_be_valid_in_minari_and_new() -> None:
