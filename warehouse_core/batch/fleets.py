@@ -194,7 +194,7 @@ class FleetEngine:
     def measures(self, floor: int) -> FleetMeasures:
         """Return the measures of the current episode on a floor."""
         rows = self.rows_of(np.array([floor]))
-        book = self.orders.books[floor] if self.orders else None
+        book = self.orders.book(floor) if self.orders else None
         records = book.records() if book else None
         counted = self.tally.measures(floor, int(self.steps[floor]), records)
         stranded = int(np.isin(self._rows_out(), rows).sum())

@@ -190,6 +190,8 @@ def _first_stations(layout: Layout) -> list[int]:
 NOTHING = 0
 """Code of a spot with nothing on top of the tile, which is also the code of an empty cell."""
 
+_WAITING = np.uint8(CELL_CODES[PICKUP])
+
 _OTHER_CODES = np.array([CELL_CODES[OTHER_EMPTY], CELL_CODES[OTHER_LOADED]], np.uint8)
 """Codes of other robots without and with an item."""
 
@@ -234,11 +236,13 @@ class FleetFloor(BatchFloor):
         self._on_top = self._ground.copy()
         self._covered = self._robot_spots = self._corner_of[:0]
 
-    def set_waiting(self, floor: int, cell: int, is_waiting: bool) -> None:
-        """Set whether an open order waits at a cell of a floor."""
+    def set_waiting(
+        self, floors: Integers | int, cells: Integers, is_waiting: Integers | bool
+    ) -> None:
+        """Set whether open orders wait at the cells ``[N]`` of floors."""
         self._cached_cells = None
-        spot = self._corner[floor] + self._spots[self._floor_base[floor] + cell]
-        self._ground[spot] = self._on_top[spot] = CELL_CODES[PICKUP] if is_waiting else NOTHING
+        spots = self._corner[floors] + self._spots[self._floor_base[floors] + cells]
+        self._ground[spots] = self._on_top[spots] = np.where(is_waiting, _WAITING, NOTHING)
 
     def _stations_at(self, cells: Integers) -> Integers:
         if not self.moving_stations:

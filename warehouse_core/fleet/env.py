@@ -387,7 +387,7 @@ class FleetEnv(Unlisted):
 
     @property
     def _book(self) -> OrderBook | None:
-        return self._engine.orders.books[0] if self._engine.orders else None
+        return self._engine.orders.book(0) if self._engine.orders else None
 
     def _check_started(self, method: str) -> None:
         if not self._started:

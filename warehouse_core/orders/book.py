@@ -89,6 +89,18 @@ class OrderBook:
         """Whether there is an open order."""
         return bool(self._is_open.any())
 
+    def task(self, robot: int) -> tuple[int, int, int]:
+        """Return the due time, pickup and dropoff of a robot's order, each ``NONE`` without one.
+
+        The pickup is also ``NONE`` while the robot carries the item.
+        """
+        order = int(self.order_of[robot])
+        if order == NONE:
+            return NONE, NONE, NONE
+        known, is_taken = self.orders, self.taken[order] != NONE
+        pickup = NONE if is_taken else int(known.pickup[order])
+        return int(known.due[order]), pickup, int(known.dropoff[order])
+
     def release(self, step: int) -> None:
         """Release all orders that are due for release at this step or before."""
         first = self._released
