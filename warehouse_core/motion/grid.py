@@ -57,7 +57,7 @@ _WALL_OR_NOTHING = np.array([NOTHING, WALL])
 
 _pack = Struct("8d").pack
 
-MAX_CACHED = 100_000
+MAX_CACHED = 40_000
 """Limit on the cached outcomes of a single robot, about half a kilobyte each."""
 
 

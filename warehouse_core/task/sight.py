@@ -7,8 +7,9 @@ from functools import lru_cache
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, WALL, Cell
 
-MAX_CACHED_CHARACTERS = 32_000_000
-"""Limit on the characters of all cached windows. A full cache is cleared."""
+MAX_CACHED_WINDOWS, MAX_CACHED_CHARACTERS = 20_000, 32_000_000
+"""Limits on the cached windows and on their characters. A full cache is cleared. A window of 5 x 5
+cells takes half a kilobyte, so the cache takes about 10 MB; a map of 100 x 100 cells fits."""
 
 
 class Sight:
@@ -16,7 +17,7 @@ class Sight:
 
     def __init__(self, radius: int) -> None:
         self._radius, self._side = radius, 2 * radius + 1
-        self._capacity = MAX_CACHED_CHARACTERS // self._side**2
+        self._capacity = min(MAX_CACHED_WINDOWS, MAX_CACHED_CHARACTERS // self._side**2)
 
     def use(self, layout: Layout) -> None:
         """Change the layout."""

@@ -52,8 +52,9 @@ def test_a_window_is_a_new_list() -> None:
     assert sight.window((1, 1), loaded=False) == ["###", "#R.", "#.."]
 
 
-def test_the_cache_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sight_module, "MAX_CACHED_CHARACTERS", 4 * 9)
+@pytest.mark.parametrize("limit", [("MAX_CACHED_WINDOWS", 4), ("MAX_CACHED_CHARACTERS", 4 * 9)])
+def test_the_cache_has_a_limit(monkeypatch: pytest.MonkeyPatch, limit: tuple[str, int]) -> None:
+    monkeypatch.setattr(sight_module, *limit)
     sight = sight_of(DEFAULT_LAYOUT, 1)
     for rank in range(len(DEFAULT_LAYOUT.open_cells)):
         cell = DEFAULT_LAYOUT.open_cell(rank)
