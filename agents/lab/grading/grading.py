@@ -76,15 +76,10 @@ class GradeReport(NamedTuple):
         late: days by which the submission is late; ``deducted`` is how many points this costs.
 
     Example:
-        >>> from dataclasses import replace
-        >>> from agents.lab.grading.grading import grade
-        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
-        >>> from agents.lab.grading.submissions import find_submission
-        >>> rubric = load_rubric(MINI_LAB)
-        >>> one = rubric.criteria[3]._replace(needs=None)
-        >>> report = grade(find_submission("greedy"), replace(rubric, criteria=(one,)))
-        >>> report.agent, report.points, report.max_points, report.failure
-        ('greedy', 10.0, 10.0, '')
+        >>> from agents.lab.grading.grading import GradeReport
+        >>> report = GradeReport("mine.py", "Mini-lab", "", "", (), "it ended", "", 0, late=1)
+        >>> report.points, report.remarks
+        (0.0, ['it ended', '1 day late: 0 points deducted'])
     """
 
     agent: str
