@@ -2,25 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
-
 import numpy as np
-from numpy.typing import NDArray
 
-from agents.mapf.graph import Fields, Graph, robots_in
-from agents.mapf.kernels.buffers import IS_COMPILED, buffer_of, prepare
-from agents.mapf.kernels.pibt import (
-    CHANCE_KEY,
-    CHOSEN,
-    CLOSED,
-    OCCUPIED_KEY,
-    STEP_KEY,
-    WAIT_KEY,
-    choose,
-    pibt_of,
-)
-from agents.mapf.kernels.places import FAR, STAY
-from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, draw, mix, robots_of
+from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
+from agents.mapf.kernels import pibt as kernels
+from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.pibt import CHANCE_KEY, CHOSEN, STEP_KEY, WAIT_KEY, choose, pibt_of
+from agents.mapf.kernels.robots import NOBODY, UNDECIDED, robots_of
 from agents.mapf.memory import Memory
 from agents.mapf.planner import PlacePlanner, Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
@@ -84,7 +72,7 @@ class PIBT(PlacePlanner):
         places = self._memory.places(cells)
         order = self._memory.order(cells, goals, urgent)
         is_taken = np.zeros(self.graph.size, np.int64)
-        is_taken[closed] = CLOSED
+        is_taken[closed] = kernels.CLOSED
         is_taken[cells[stays]] = CHOSEN
         robot_in = robots_in(self.graph.size, cells)
         rows = self.fields.rows(goals)
@@ -96,43 +84,80 @@ class PIBT(PlacePlanner):
             (pibt.is_taken, is_taken),
         ):  # fmt: skip
             kept[:] = buffer_of(new)
-        if not IS_COMPILED:
-            near = self.fields.near[places]
-            self._sort_choices(near, self._keys(rows, places, goals, robot_in))
         choose(self.fields.floor, robots, pibt, self.fields.table)
         self.pushers = np.array(pibt.pushers)
         return np.array(robots.chosen)
 
-    def _keys(
-        self, rows: Integers, places: Integers, goals: Integers, robot_in: Integers
-    ) -> NDArray[Any]:
-        """Return the keys of the choices of all robots, ``[R, 5]``; low keys are tried first.
 
-        They equal the keys in ``kernels.pibt.sort_choices``. With more than a few robots, NumPy is
-        faster than plain Python.
+class Pibt:
+    """A step of PIBT in the words of the paper, for reading; robots have no headings.
+
+    Each robot chooses a cell by priority. If a robot of lower priority is there, it inherits the
+    priority and chooses next. If it finds no cell, it stays, and the first robot tries another cell
+    (backtracking). The kernel of the planner chooses the same cells, and lets robots swap in
+    corridors. See ``kernels/pibt.py``.
+
+    Args:
+        graph: floor; its costs are not used.
+        cells: cell of each robot, all different.
+        goals: goal of each robot.
+        bits: random bits of each robot, three for each direction, which break ties.
+
+    Source: Okumura, Machida, Défago and Tamura (2022), Priority inheritance with backtracking for
+    iterative multi-agent path finding, Artificial Intelligence 310, algorithm 1.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import Pibt
+        >>> from warehouse_core import Layout
+        >>> graph = Graph(Layout(["...", "..."]))
+        >>> Pibt(graph, cells=[0, 1], goals=[2, 1], bits=[0, 0]).step([0, 1])
+        [1, 2]
+    """
+
+    def __init__(self, graph: Graph, cells: list[int], goals: list[int], bits: list[int]) -> None:
+        self.graph, self.cells, self.goals, self.bits = graph, cells, goals, bits
+        self.robot_in = {cell: robot for robot, cell in enumerate(cells)}
+        self.next: dict[int, int] = {}
+        self.taken: set[int] = set()
+
+    def step(self, order: list[int]) -> list[int]:
+        """Return the next cell of each robot; ``order`` has the robots by decreasing priority."""
+        for robot in order:
+            if robot not in self.next:
+                self.finds_cell(robot)
+        return [self.next[robot] for robot in range(len(self.cells))]
+
+    def finds_cell(self, robot: int) -> bool:
+        """Choose the next cell of a robot, and return false if it has to stay for lack of one."""
+        here = self.cells[robot]
+        for cell in self.candidates(robot):
+            other = self.robot_in.get(cell, NOBODY)
+            if cell in self.taken or (other != robot and self.next.get(other, cell) == here):
+                continue  # two robots would be in one cell, or swap cells
+            self.next[robot] = cell
+            self.taken.add(cell)
+            if other == NOBODY or other in self.next or self.finds_cell(other):
+                return True
+        self.next[robot] = here
+        self.taken.add(here)
+        return False
+
+    def candidates(self, robot: int) -> list[int]:
+        """Return the neighbours of a robot's cell and the cell itself, nearest to the goal first.
+
+        A robot in a cell counts as half a step, and so does waiting. Chance breaks ties.
         """
-        near = self.fields.near[places]
-        is_step, number = near != self.graph.places, np.arange(len(places), dtype=np.int64)
-        to = np.where(is_step, near, places[:, None])
-        draw(self._robots.random)
-        chance = cast(Integers, mix(cast(int, self._robots.random[0] + number * SPREAD)))[:, None]
-        chance = chance >> 3 * (is_step.cumsum(axis=1) - 1) & CHANCE_KEY
-        distances = self.fields.matrix[rows[:, None], to].astype(np.int64)
-        keys: Integers = (distances + self.fields.prices[places]) * (
-            STEP_KEY // self.fields.step
-        ) + chance
-        keys += OCCUPIED_KEY * (robot_in[to % self.graph.size] != NOBODY)
-        keys[:, STAY] += WAIT_KEY - OCCUPIED_KEY
-        keys[(places % self.graph.size == goals) | (distances[:, STAY] == FAR), STAY] = 0
-        keys[~is_step] = np.iinfo(np.int64).max
-        return keys
-
-    def _sort_choices(self, near: Integers, keys: NDArray[Any]) -> None:
-        """Sort the choices of all robots by their keys; closed cells have the highest key."""
-        pibt, best = self._pibt, np.argsort(keys, axis=1, kind="stable")
-        pibt.choices[:] = buffer_of(np.take_along_axis(near, best, 1))
-        pibt.options[:] = buffer_of((near != self.graph.places).sum(axis=1))
-        pibt.is_sorted[0] = 1
+        here, goal, bits, keys = self.cells[robot], self.goals[robot], self.bits[robot], {}
+        distances = self.graph.distances(goal)
+        for cell in self.graph.neighbours[here].tolist():
+            if cell != CLOSED:
+                penalty = WAIT_KEY if cell == here or cell in self.robot_in else 0
+                keys[cell] = STEP_KEY * distances[cell] + penalty + (bits & CHANCE_KEY)
+                bits >>= 3
+        if here == goal:
+            keys[here] = -1
+        return sorted(keys, key=keys.__getitem__)
 
 
 def pibt(problem: Problem, seconds: float, seed: int = 0) -> Plan:

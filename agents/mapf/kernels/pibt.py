@@ -45,7 +45,6 @@ class Pibt(NamedTuple):
         tried: number of choices that each robot has tried.
         partner: robot that each robot swaps with, or ``NOBODY``.
         keys: ``[5]``, sort keys of the choices of one robot.
-        is_sorted: ``[1]``, 1 if all choices are sorted before a round.
         is_final: ``[1]``, 1 if robots stay at their goals for good, 0 if they leave them again.
     """
 
@@ -56,7 +55,6 @@ class Pibt(NamedTuple):
     tried: Buffer
     partner: Buffer
     keys: Buffer
-    is_sorted: Buffer
     is_final: Buffer
 
 
@@ -65,7 +63,7 @@ def pibt_of(size: int, robots: int, is_final: bool = False) -> Pibt:
     return Pibt(
         pushers=buffer(robots, NOBODY), is_taken=buffer(size), choices=buffer(robots * ACTIONS),
         options=buffer(robots), tried=buffer(robots), partner=buffer(robots),
-        keys=buffer(ACTIONS), is_sorted=buffer(1), is_final=buffer(1, int(is_final)),
+        keys=buffer(ACTIONS), is_final=buffer(1, int(is_final)),
     )  # fmt: skip
 
 
@@ -221,8 +219,7 @@ def swap_partner(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot
 @kernel
 def begin(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot: int) -> None:
     """Start the choice of a robot. It tries its best place first, or its worst one to back off."""
-    if pibt.is_sorted[0] == 0:
-        sort_choices(floor, robots, pibt, fields, robot)
+    sort_choices(floor, robots, pibt, fields, robot)
     pibt.tried[robot] = 0
     partner = swap_partner(floor, robots, pibt, fields, robot)
     pibt.partner[robot] = partner
@@ -263,8 +260,7 @@ def choose(floor: Places, robots: Robots, pibt: Pibt, fields: Table) -> bool:
     size, places, chosen, is_taken = floor.size, robots.places, robots.chosen, pibt.is_taken
     robot_in, choices, options, tried = robots.robot_in, pibt.choices, pibt.options, pibt.tried
     is_complete = True
-    if pibt.is_sorted[0] == 0:
-        draw(robots.random)
+    draw(robots.random)
     for at in range(len(robots.order)):
         robot, depth = robots.order[at], 0
         if chosen[robot] != UNDECIDED:

@@ -9,8 +9,9 @@ from helpers.mapf_validator import step_conflict
 from agents.errors import PlanError
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.pibt import NOBODY
+from agents.mapf.kernels.robots import SPREAD, draw, first_random, mix
 from agents.mapf.lanes import lane_costs
-from agents.mapf.pibt import PIBT, pibt
+from agents.mapf.pibt import PIBT, Pibt, pibt
 from agents.mapf.problem import Problem
 from warehouse_core import Layout, random_layout
 
@@ -126,3 +127,19 @@ def test_robots_back_off_for_one_that_comes_out_behind_the_next() -> None:
             cells = next_cells(planner, cells, goals)
             goals = [0 if cell == goal else goal for cell, goal in zip(cells, goals, strict=True)]
         assert 13 not in goals
+
+
+@pytest.mark.parametrize("robots", [4, 20, 34])
+def test_the_plain_algorithm_chooses_the_cells_of_the_kernel(robots: int) -> None:
+    """Robots never swap here, because no cell but a corner has fewer than three neighbours."""
+    layout = Layout(["......"] * 6)
+    graph, stream = Graph(layout), np.random.default_rng(robots)
+    for seed in range(20):
+        cells = stream.permutation(layout.open_cells)[:robots].tolist()
+        goals = stream.choice(layout.open_cells, robots).tolist()
+        ranks = np.random.default_rng(seed).random(robots)
+        order = np.argsort(-(ranks + (np.array(cells) != goals)), kind="stable").tolist()
+        random = first_random(seed)
+        bits = [int(mix(draw(random.copy()) + robot * SPREAD)) for robot in range(robots)]
+        plain = Pibt(graph, cells, goals, bits).step(order)
+        assert plain == next_cells(PIBT(graph, seed), cells, goals)
