@@ -67,8 +67,8 @@ def test_commands_run_from_a_zip_file(archive: Path, tmp_path: Path, words: str,
     program += "assert '.zip' in main.__code__.co_filename;"
     program += f"sys.argv[1:] = {words.split()!r}; main()"
     result = run("-c", program, folder=tmp_path)
-    assert (result.returncode, result.stderr) == (0, "")
-    assert said in result.stdout
+    assert (result.returncode, said in result.stdout) == (0, True), result.stderr
+    assert "Traceback" not in result.stderr  # slow machines report progress there
 
 
 def test_pages_are_made_from_a_zip_file(archive: Path, tmp_path: Path) -> None:
