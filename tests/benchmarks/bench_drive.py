@@ -122,19 +122,19 @@ def test_drivers_of_a_disc(measured, agent, trouble):
     if agent == "network" and not file:
         pytest.skip("DRIVE_NETWORK names no file")
     policy = DrivePolicy.load(Path(file)) if file and agent == "network" else None
-    name = policy.backend if policy else "drive:drive=omnidirectional"
+    name = policy.backend if policy else "drive:drive=omnidirectional,rays=0,max_seconds=60"
     env = DriveEnv.from_name(name if trouble == "nominal" else f"{name},{trouble}")
-    records = []
-    for seed in range(EPISODES):
+    summaries = []
+    for seed in range(EXAM_SEED, EXAM_SEED + EPISODES):
         driver = policy or Follower(env, make_agent(agent, seed, env.layout))
-        records.append(record_episode(env, driver, seed=EXAM_SEED + seed))
-    delivered = [each for each in records if each.outcome == "delivered"]
-    means = [
-        np.mean([getattr(drive_summary(each), name) for each in delivered])
+        episode = record_episode(env, driver, seed=seed)
+        if episode.outcome == "delivered":
+            summaries.append(drive_summary(episode))
+    seconds, joules, hits = (
+        np.mean([getattr(each, name) for each in summaries])
         for name in ("seconds", "joules", "hits")
-    ]
-    seconds, joules, hits = means
-    share = len(delivered) / EPISODES
+    )
+    share = len(summaries) / EPISODES
     words = f"{share:.1%} delivered, {seconds:.1f} s, {joules:,.0f} J, {hits:.2f} hits"
     measured(f"{agent} drives a disc, {trouble}", words)
     assert share > 0.2
