@@ -609,7 +609,7 @@ def _blocked(queue: Sequence[int], cells: Sequence[Cell]) -> str:
     return f"{_named(waiting, cells)} {'were' if len(waiting) > 1 else 'was'} blocked by"
 
 
-class Queue(NamedTuple):
+class Jam(NamedTuple):
     """Bodies of which each blocks the one before it, and for how many steps at the end.
 
     If they are a ring, ``behind`` are the robots that wait behind it.
@@ -621,7 +621,7 @@ class Queue(NamedTuple):
     behind: list[int]
 
 
-def _longest(episode: Episode, first: Sequence[int]) -> Queue | None:
+def _longest(episode: Episode, first: Sequence[int]) -> Jam | None:
     """Return the longest ring, or else the longest queue behind one of the bodies ``first``."""
     steps, ahead = _standing(episode)
     queues = {robot: _queue(robot, ahead) for robot in ahead}
@@ -636,7 +636,7 @@ def _longest(episode: Episode, first: Sequence[int]) -> Queue | None:
         return None
     since = min(steps[robot] for robot in longest if robot < episode.robots)
     behind = [robot for robot in ahead if queues[robot] == longest and robot not in longest]
-    return Queue(longest, since, bool(rings), behind if rings else [])
+    return Jam(longest, since, bool(rings), behind if rings else [])
 
 
 def _standing(episode: Episode) -> tuple[list[int], dict[int, int]]:
