@@ -89,7 +89,7 @@ class PIBT(PlacePlanner):
         return np.array(robots.chosen)
 
 
-class Pibt:
+class PlainPIBT:
     """A step of PIBT in the words of the paper, for reading; robots have no headings.
 
     Each robot chooses a cell by priority. If a robot of lower priority is there, it inherits the
@@ -108,10 +108,10 @@ class Pibt:
 
     Example:
         >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.pibt import Pibt
+        >>> from agents.mapf.pibt import PlainPIBT
         >>> from warehouse_core import Layout
         >>> graph = Graph(Layout(["...", "..."]))
-        >>> Pibt(graph, cells=[0, 1], goals=[2, 1], bits=[0, 0]).step([0, 1])
+        >>> PlainPIBT(graph, cells=[0, 1], goals=[2, 1], bits=[0, 0]).step([0, 1])
         [1, 2]
     """
 

@@ -11,7 +11,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.kernels.pibt import NOBODY
 from agents.mapf.kernels.robots import SPREAD, draw, first_random, mix
 from agents.mapf.lanes import lane_costs
-from agents.mapf.pibt import PIBT, Pibt, pibt
+from agents.mapf.pibt import PIBT, PlainPIBT, pibt
 from agents.mapf.problem import Problem
 from warehouse_core import Layout, random_layout
 
@@ -141,5 +141,5 @@ def test_the_plain_algorithm_chooses_the_cells_of_the_kernel(robots: int) -> Non
         order = np.argsort(-(ranks + (np.array(cells) != goals)), kind="stable").tolist()
         random = first_random(seed)
         bits = [int(mix(draw(random.copy()) + robot * SPREAD)) for robot in range(robots)]
-        plain = Pibt(graph, cells, goals, bits).step(order)
+        plain = PlainPIBT(graph, cells, goals, bits).step(order)
         assert plain == next_cells(PIBT(graph, seed), cells, goals)
