@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -144,32 +142,6 @@ def drive_steps(
             late = [robot for robot, cell in enumerate(here) if cell != targets[robot]]
             raise PlanError(f"in joint step {step} {_named(late)} not arrived")
     return record.execution()
-
-
-@lru_cache(maxsize=16)
-def corner_steps(spec: RobotSpec) -> float:
-    """Return the delay of a robot that drives round a corner, in steps of a cell.
-
-    The delay is measured with bodies that drive round a corner or straight on. The result is the
-    mean of the delays without and with an item.
-    """
-    loads = [spec, replace(spec, mass=spec.total_mass(loaded=True), payload_mass=0.0)]
-    return float(np.mean([_corner_steps(each) for each in loads]))
-
-
-def _corner_steps(spec: RobotSpec) -> float:
-    """Return the delay at a corner, in steps, of a robot without an item."""
-    braking = spec.top_speed**2 / (2 * spec.attainable_acceleration(loaded=False))
-    length = 1 + math.ceil(braking / spec.cell_size)  # where it drives at top speed
-    width = 2 * length + 1
-    floor, out = Layout(["." * width] * (length + 1)), list(range(length + 1))
-    straight, bent = (
-        drive_through(floor, np.array(path)[:, None], spec).seconds
-        * spec.top_speed
-        / spec.cell_size
-        for path in (range(width), [*out, *(length + width * row for row in out[1:])])
-    )
-    return max(bent - straight, 0.0)
 
 
 EXECUTIONS = {"joint steps": drive_steps, "driven through": drive_through}
