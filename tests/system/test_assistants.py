@@ -21,7 +21,7 @@ def test_the_list_of_pages_names_every_page_of_the_handbook() -> None:
     pages = {page.stem for page in (ROOT / "agents/handbook").glob("*.md")}
     assert listed == pages - {"index", "coming_from", "promises"} | {"reference/index"}
     conf = (ROOT / "agents/handbook/conf.py").read_text(encoding="utf-8")
-    assert 'html_extra_path = ["llms.txt"]' in conf
+    assert 'html_extra_path = ["llms.txt", ' in conf
 
 
 def test_the_instructions_name_what_exists() -> None:

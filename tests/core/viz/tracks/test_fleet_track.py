@@ -120,7 +120,9 @@ def test_within_a_motion_orders_stay_as_they_were_before_it(bodies: FleetEpisode
 
 
 @pytest.mark.parametrize("frame_seconds", [0.2, None])
-def test_the_energy_is_the_sum_over_all_robots(bodies: FleetEpisode, frame_seconds: float | None) -> None:
+def test_the_energy_is_the_sum_over_all_robots(
+    bodies: FleetEpisode, frame_seconds: float | None
+) -> None:
     track = track_of_record(bodies, frame_seconds)
     used = np.concatenate([[0.0], bodies.joules.sum(axis=1).cumsum()])
     assert (bodies.joules[0] > 0).sum() > 1, "the first robot is not alone"
