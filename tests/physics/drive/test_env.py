@@ -194,6 +194,9 @@ def test_a_name_may_limit_an_episode_by_moves():
         ("drive:speed=3", "no number is called 'speed'; allowed: .*control, rate"),
         ("drive:mass=heavy", "'mass=heavy' is not of the form"),
         ("drive:control=steer", "control is 'steer'"),
+        ("drive:people=1.5", "people is 1.5; it must be a whole number"),
+        ("drive:rays=4.5", "rays is 4.5"),
+        ("drive:crates=0.5", "crates is 0.5"),
     ],
 )
 def test_a_wrong_name_is_explained(name, message):
