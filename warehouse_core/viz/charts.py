@@ -92,7 +92,8 @@ class Chart:
         axes.xaxis.set_major_locator(
             MaxNLocator(nbins=2 if is_narrow else 8, integer=label == "step")
         )
-        axes.yaxis.set_major_locator(MaxNLocator(nbins=4))
+        counts = any(each.kind == "steps" for each in series)  # half an order does not exist
+        axes.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=counts))
         if series[0].steps:
             axes.yaxis.set_major_formatter(lambda steps, _: in_time(steps))
         style_chart(axes)

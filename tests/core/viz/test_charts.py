@@ -58,6 +58,15 @@ def test_charts_are_those_that_have_something_to_show(physics: Track) -> None:
     assert [*charts_of(Track(still.frames, {}), [0.0])] == []
 
 
+def test_an_axis_of_orders_has_only_whole_numbers() -> None:
+    figure = make_figure((3, 2))
+    axes = figure.add_axes((0, 0, 1, 1))
+    orders = Series("Orders", "delivered", "steps", "ink", [0.0, 1.0], [0.0, 5.0])
+    Chart(figure, axes, [orders], 1)
+    ticks = axes.yaxis.get_major_locator().tick_values(0, 5)
+    assert [tick % 1 for tick in ticks] == [0] * len(ticks)
+
+
 def test_steps_of_deliveries_are_written_as_early_or_late() -> None:
     figure = make_figure((3, 2))
     axes = figure.add_axes((0, 0, 1, 1))
