@@ -148,9 +148,10 @@ def test_a_slow_episode_is_reported_once_with_its_place(
     monkeypatch.setattr("agents.lab.console.watch.LOOK_SECONDS", 0.01)
     plan = plan_of(act="__import__('time').sleep(0.5)")
     run(Here(), plan)
-    assert capsys.readouterr().err == (
+    said = re.sub(r"[\d.]+ s ", "some s ", capsys.readouterr().err)  # a busy machine looks later
+    assert said == (
         "warehouse: seed 7, step 1, with agent=agent.py:Own, max_steps=5 has run for "
-        "0.2 s (agent.py, line 11)\n"
+        "some s (agent.py, line 11)\n"
     )
 
 
