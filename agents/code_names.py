@@ -69,18 +69,18 @@ def split_name(name: str, suffixes: Collection[str] = CODE) -> CodeName:
         >>> split_name(r"C:\a=b\my.py").source
         'C:\\a=b\\my.py'
     """
-    ways = [*_ways_to_split(name)]
+    splits = [*_splits(name)]
     if "" in suffixes:
-        ways = [each for each in ways if each.kind is None]
+        splits = [each for each in splits if each.kind is None]
     files = (
-        each for each in reversed(ways)
+        each for each in reversed(splits)
         if each.source.lower().endswith(tuple(suffixes)) and os.path.isfile(each.source)
     )  # fmt: skip
-    return next(files, ways[0])
+    return next(files, splits[0])
 
 
-def _ways_to_split(name: str) -> Iterator[CodeName]:
-    """Yield each way to split a name, from the shortest source to the whole name."""
+def _splits(name: str) -> Iterator[CodeName]:
+    """Yield the splits that the grammar allows, from the shortest source to the whole name."""
     has_drive = re.match(r"[A-Za-z]:[/\\]", name) is not None
     for colon in re.finditer(r":|\Z", name[DRIVE_LENGTH:] if has_drive else name):
         end = colon.start() + DRIVE_LENGTH * has_drive

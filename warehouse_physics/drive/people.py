@@ -1,8 +1,8 @@
 """People who walk through a warehouse from cell to cell.
 
 A person is a heavy disc that does not know what the robot wants. It walks to the middle of a
-neighbouring cell, and then on to another one at random, back only if there is no other way. It
-stops for a robot that is close ahead, and turns back after it has been held up for a while.
+neighbouring cell and then on to another one, which is random. It goes back only from a dead end, or
+after it has been held up for a while. It stops for a robot that is close ahead.
 """
 
 from __future__ import annotations
@@ -51,18 +51,18 @@ class Person:
     def _walk(self, body: pymunk.Body, gravity: Any, damping: float, dt: float) -> None:
         """Change the velocity of the body in a substep; Chipmunk calls this."""
         size = self._spec.cell_size
-        way = self._way()
         self._waited += dt
-        if way.length < ARRIVED * size:
+        if self._to_target().length < ARRIVED * size:
             self._turn(self._next_cell())
         elif self._waited > PATIENCE * size / SPEED:
             self._turn(self._before)
-        way = self._way()
-        wanted = way.normalized() * (0.0 if self._is_held_up(way) else SPEED)
+        ahead = self._to_target()
+        wanted = ahead.normalized() * (0.0 if self._is_held_up(ahead) else SPEED)
         change, most = wanted - body.velocity, ACCELERATION * dt
         body.velocity += change if change.length <= most else change.scale_to_length(most)
 
-    def _way(self) -> pymunk.Vec2d:
+    def _to_target(self) -> pymunk.Vec2d:
+        """Return the vector to the middle of the next cell, in metres."""
         to_x, to_y = centre_of(self._target, self._spec.cell_size)
         return pymunk.Vec2d(to_x, to_y) - self.body.position
 
@@ -73,11 +73,11 @@ class Person:
         row, col = self._target
         around = [(row + down, col + right) for down, right in MOVE_DELTAS.values()]
         free = [cell for cell in around if self._layout.is_open(cell)]
-        ahead = [cell for cell in free if cell != self._before]
-        return self._stream.choice(ahead or free or [self._target])
+        onward = [cell for cell in free if cell != self._before]
+        return self._stream.choice(onward or free or [self._target])
 
-    def _is_held_up(self, way: pymunk.Vec2d) -> bool:
+    def _is_held_up(self, ahead: pymunk.Vec2d) -> bool:
         """Return whether the robot is close ahead."""
         apart = self._robot.position - self.body.position
         reach = self._spec.radius + (RADIUS + NEAR) * self._spec.cell_size
-        return apart.length < reach and apart.dot(way) > 0
+        return apart.length < reach and apart.dot(ahead) > 0
