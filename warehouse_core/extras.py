@@ -19,6 +19,11 @@ def install_command(extra: str) -> str:
     return pip_install(requirements_of(extra, requires(DISTRIBUTION) or []))
 
 
+def not_installed(needing: str, error: ImportError, extra: str) -> str:
+    """Return the sentence that a part needs a library of an extra."""
+    return f"{needing} {error.name}, which is not installed: {install_command(extra)}"
+
+
 def pip_install(requirements: Iterable[str]) -> str:
     """Return the command that installs some requirements."""
     return "pip install " + " ".join(f"'{each}'" for each in requirements)

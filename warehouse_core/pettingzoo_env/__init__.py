@@ -8,15 +8,12 @@ from __future__ import annotations
 from typing import Any
 
 from warehouse_core.errors import BackendError
-from warehouse_core.extras import install_command
+from warehouse_core.extras import not_installed
 
 try:
     from pettingzoo.utils.conversions import parallel_to_aec
 except ModuleNotFoundError as error:
-    raise BackendError(
-        f"environments of PettingZoo need {error.name}, which is not installed: "
-        f"{install_command('fleet')}"
-    ) from error
+    raise BackendError(not_installed("environments of PettingZoo need", error, "fleet")) from error
 
 from warehouse_core.pettingzoo_env.parallel import WarehouseParallelEnv
 

@@ -13,7 +13,7 @@ import numpy as np
 from warehouse_core.arguments import MAX_SEED, instance_of, whole_number, with_methods
 from warehouse_core.batch.fleet_settings import FleetSettings
 from warehouse_core.errors import BackendError, EndedError
-from warehouse_core.extras import install_command
+from warehouse_core.extras import not_installed
 from warehouse_core.fleet.env import Actions, FleetEnv
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import Outcome, with_defaults
@@ -426,10 +426,8 @@ def _replay_alone(episode: Episode, backend: Backend) -> Episode:
         try:
             records = import_module(DRIVE_RECORDS)
         except ImportError as error:
-            raise BackendError(
-                f"a record of continuous control needs {error.name}, which is not installed: "
-                f"{install_command('physics')}"
-            ) from error
+            need = "a record of continuous control needs"
+            raise BackendError(not_installed(need, error, "physics")) from error
         driven: Episode = records.replay(episode, backend)
         return driven
     motion = make_motion(backend)

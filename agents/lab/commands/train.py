@@ -41,7 +41,7 @@ from agents.registry import make_agent, make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout
 from warehouse_core.errors import FormatError
-from warehouse_core.extras import install_command
+from warehouse_core.extras import not_installed
 from warehouse_core.files.atomic import check_target
 from warehouse_core.wording import brief
 
@@ -274,9 +274,7 @@ def needed_libraries(what: str) -> Iterator[None]:
     except ImportError as error:
         if (error.name or "").partition(".")[0] not in LIBRARIES:
             raise
-        raise AgentError(
-            f"{what} needs {error.name}, which is not installed: {install_command('rl')}"
-        ) from error
+        raise AgentError(not_installed(f"{what} needs", error, "rl")) from error
 
 
 def make_clone_learner(teacher: str, task: Task, steps: int, seed: int) -> CloneLearner:

@@ -18,7 +18,7 @@ import numpy as np
 
 from agents.errors import StoreError
 from agents.lab.datasets.source import FIELDS, EpisodeArrays, Source
-from warehouse_core.extras import install_command
+from warehouse_core.extras import not_installed
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.wording import brief
 
@@ -34,9 +34,7 @@ try:
     )
     from minari.storage import get_dataset_path
 except ImportError as error:
-    raise StoreError(
-        f"datasets need {error.name}, which is not installed: {install_command('minari')}"
-    ) from error
+    raise StoreError(not_installed("datasets need", error, "minari")) from error
 
 NAME = re.compile(r"(?:[\w-]{2,}/)*[\w-]+-v\d{1,9}", re.ASCII)
 """Pattern for the name of a dataset: optional namespaces, its own name and its version."""

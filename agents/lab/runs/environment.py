@@ -7,7 +7,7 @@ from typing import Any
 from agents.learning.drive_policy import DrivePolicy
 from agents.registry import make_agent, make_backend
 from warehouse_core import BackendError, Cell, FleetEnv, Layout, WarehouseEnv
-from warehouse_core.extras import install_command
+from warehouse_core.extras import not_installed
 from warehouse_core.records.episode import DRIVE, is_drive
 
 
@@ -35,10 +35,7 @@ def make_env(
     try:
         from warehouse_physics.drive import DriveEnv
     except ImportError as error:
-        raise BackendError(
-            f"backend 'drive' needs {error.name}, which is not installed: "
-            f"{install_command('physics')}"
-        ) from error
+        raise BackendError(not_installed("backend 'drive' needs", error, "physics")) from error
     limits = {"moves": max_steps, "units": battery}
     try:
         return DriveEnv.from_name(
@@ -53,7 +50,7 @@ def backend_for(agent: str, backend: str) -> str:
 
     For a trained policy the bare name ``drive`` stands for the environment of its training.
     """
-    if backend != DRIVE or agent.partition(":")[0] != DRIVE:
+    if backend != DRIVE or not is_drive(agent):
         return backend
     trained: Any = make_agent(agent)
     own: str = trained.backend
