@@ -554,6 +554,8 @@ def _charger_use(episode: Episode) -> ChargerUse | None:
 
 def _flat_in_the_way(episode: Episode) -> Evidence | None:
     robots, cells = _flat(episode), _ends(episode)
+    if not robots:
+        return None
     blocked = int(np.isin(episode.stopped_by, robots).sum())
     queue = _longest(episode, robots)
     if not blocked and not queue:
@@ -698,7 +700,6 @@ def _queue(robot: int, ahead: dict[int, int]) -> list[int]:
 def _people(episode: Episode) -> Evidence | None:
     """Find a queue behind a person, or the cell where people blocked most moves."""
     count, cells = episode.robots, _ends(episode)
-    by = episode.stopped_by
     queue = _longest(episode, range(count, episode.settings.bodies))
     if queue:
         robots = queue.robots[:-1]
@@ -708,7 +709,7 @@ def _people(episode: Episode) -> Evidence | None:
             f"{_count(queue.steps)}"
         )
         return Evidence(sentence, (cell,), queue.steps, robots)
-    return _jammed(episode, by >= count, "people")
+    return _jammed(episode, episode.stopped_by >= count, "people")
 
 
 def _too_many_orders(episode: Episode) -> Evidence | None:

@@ -226,9 +226,9 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         trouble = {key: value for key, value in given.items() if key in SETTINGS}
         own = {key: value for key, value in given.items() if key in own_names}
         for key in ("rays", "crates", "people"):
-            if key in own and not own[key].is_integer():
-                raise ValueError(f"{key} is {own[key]}; it must be a whole number")
             if key in own:
+                if not own[key].is_integer():
+                    raise ValueError(f"{key} is {own[key]}; it must be a whole number")
                 own[key] = int(own[key])
         spec = RobotSpec.from_numbers(robot, known)
         if moves != BUDGET:

@@ -56,8 +56,6 @@ def outlines_of(things: Iterable[pymunk.Shape]) -> Floats:
     """
     lines = [np.empty((0, 4))]
     for shape in things:
-        body = shape.body
-        assert body is not None
         if isinstance(shape, pymunk.Circle):
             corners = [shape.offset + shape.radius * turn for turn in CORNERS]
         elif isinstance(shape, pymunk.Segment):
@@ -65,7 +63,7 @@ def outlines_of(things: Iterable[pymunk.Shape]) -> Floats:
         else:
             assert isinstance(shape, pymunk.Poly)
             corners = shape.get_vertices()
-        places = np.array([body.local_to_world(corner) for corner in corners])
+        places = _in_world(shape, corners)
         ends = np.roll(places, -1, axis=0)
         whole = slice(1) if len(corners) == 2 else slice(None)
         lines.append(np.hstack([places, ends])[whole])
@@ -74,10 +72,8 @@ def outlines_of(things: Iterable[pymunk.Shape]) -> Floats:
 
 def depth(shape: pymunk.Shape, places: Floats) -> Floats:
     """Return how deep in a shape places ``[..., 2]`` are, in metres; negative outside."""
-    body = shape.body
-    assert body is not None
     if isinstance(shape, pymunk.Poly):
-        corners = np.array([body.local_to_world(each) for each in shape.get_vertices()])
+        corners = _in_world(shape, shape.get_vertices())
         edges = np.roll(corners, -1, axis=0) - corners
         offsets = places[..., None, :] - corners
         # pymunk lists the corners so that the inside is to the left of each edge.
@@ -85,13 +81,19 @@ def depth(shape: pymunk.Shape, places: Floats) -> Floats:
         polygon: Floats = (inside / np.hypot(*edges.T)).min(axis=-1) + shape.radius
         return polygon
     if isinstance(shape, pymunk.Segment):
-        start, end = (np.array(body.local_to_world(each)) for each in (shape.a, shape.b))
+        start, end = _in_world(shape, [shape.a, shape.b])
         along = end - start
         share = np.clip((places - start) @ along / max(along @ along, 1e-12), 0.0, 1.0)
         nearest = start + share[..., None] * along
         segment: Floats = shape.radius - np.hypot(*np.moveaxis(places - nearest, -1, 0))
         return segment
     assert isinstance(shape, pymunk.Circle)
-    middle = np.array(body.local_to_world(shape.offset))
+    [middle] = _in_world(shape, [shape.offset])
     circle: Floats = shape.radius - np.hypot(*np.moveaxis(places - middle, -1, 0))
     return circle
+
+
+def _in_world(shape: pymunk.Shape, points: Iterable[pymunk.Vec2d]) -> Floats:
+    """Return points that are relative to the body of a shape as positions ``[N, 2]``."""
+    assert shape.body is not None
+    return np.array([shape.body.local_to_world(point) for point in points])

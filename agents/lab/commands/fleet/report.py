@@ -25,16 +25,13 @@ from warehouse_core.files.tables import write_table
 from warehouse_core.fleet import FleetMeasures
 from warehouse_core.orders.files import COLUMNS
 from warehouse_core.orders.order import Order
-from warehouse_core.records.failure_modes import FleetDiagnosis, diagnose_fleet
+from warehouse_core.records.failure_modes import FEW_WAITING, FleetDiagnosis, diagnose_fleet
 from warehouse_core.wording import counted
 
 SUFFIX = ".csv"
 
 DASH = "-"
 """Text in a table for a value that a backend does not measure."""
-
-FEW_WAITING = 2
-"""Undelivered orders for each robot at the end of a shift above which the fleet was too slow."""
 
 
 class MeasureLine(NamedTuple):
