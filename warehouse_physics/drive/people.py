@@ -1,8 +1,9 @@
 """People who walk through a warehouse from cell to cell.
 
 A person is a heavy disc that does not know what the robot wants. It walks to the middle of a
-neighbouring cell and then on to another one, which is random. It goes back only from a dead end, or
-after it has been held up for a while. It stops for a robot that is close ahead.
+neighbouring cell and then on to another one, which is random, and goes back only from a dead end.
+It stops for a robot that is close ahead. After it has been held up for a while, it chooses another
+cell.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ NEAR = 0.5
 """Distance in cells between the rims of a person and a robot ahead below which the person stops."""
 
 PATIENCE = 3.0
-"""A person turns back after this many times the duration of a free walk to the next cell."""
+"""A person turns after this many times the duration of a free walk to the next cell."""
 
 ARRIVED = 0.05
 """Distance from the middle of a cell, in cells, at which a person has arrived."""
@@ -53,9 +54,10 @@ class Person:
         size = self._spec.cell_size
         self._waited += dt
         if self._to_target().length < ARRIVED * size:
-            self._turn(self._next_cell())
+            self._turn(self._target, self._before)
         elif self._waited > PATIENCE * size / SPEED:
-            self._turn(self._before)
+            x, y = body.position  # A robot may have pushed the person into another cell.
+            self._turn((int(y // size), int(x // size)), self._target)
         ahead = self._to_target()
         wanted = ahead.normalized() * (0.0 if self._is_held_up(ahead) else SPEED)
         change, most = wanted - body.velocity, ACCELERATION * dt
@@ -66,15 +68,14 @@ class Person:
         to_x, to_y = centre_of(self._target, self._spec.cell_size)
         return pymunk.Vec2d(to_x, to_y) - self.body.position
 
-    def _turn(self, cell: Cell) -> None:
-        self._before, self._target, self._waited = self._target, cell, 0.0
-
-    def _next_cell(self) -> Cell:
-        row, col = self._target
+    def _turn(self, here: Cell, avoided: Cell) -> None:
+        """Choose a cell next to ``here``, if possible not the one that is to be avoided."""
+        row, col = here
         around = [(row + down, col + right) for down, right in MOVE_DELTAS.values()]
         free = [cell for cell in around if self._layout.is_open(cell)]
-        onward = [cell for cell in free if cell != self._before]
-        return self._stream.choice(onward or free or [self._target])
+        wanted = [cell for cell in free if cell != avoided]
+        self._before, self._waited = here, 0.0
+        self._target = self._stream.choice(wanted or free or [here])
 
     def _is_held_up(self, ahead: pymunk.Vec2d) -> bool:
         """Return whether the robot is close ahead."""

@@ -242,6 +242,21 @@ def test_people_stop_for_a_robot_and_turn_back():
     assert met.robot.position.x == 4.5
 
 
+def test_a_person_who_was_pushed_into_another_cell_walks_away():
+    env = DriveEnv(AISLE, spec=RobotSpec(), people=1, rays=0, randomize=False, start_pos=(1, 1))
+    env.reset(seed=1)
+    [person] = [body for body in env.space.bodies if body is not env.robot]
+    env.step([0.0, 0.0])
+    env.robot.position = person.position - (0.7, 0)
+    person.position += (1.2, 0)  # both of its cells are now behind the robot
+    env.robot.position += (1.2, 0)
+    before, places = person.position.x, []
+    for _ in range(200):
+        env.step([0.0, 0.0])
+        places.append(person.position.x)
+    assert max(places) - before > 1
+
+
 def test_a_robot_that_drives_into_a_person_hits_it():
     env = on_aisle(people=1)
     contacts = []
