@@ -90,21 +90,22 @@ class DriveArena(Arena):
         self._given.set_float_buf(self._pushes)
 
     def read(self) -> Floats:
-        """Return ``[rows, 6]``: x, y, angle, both velocities and the turn rate of the robots."""
+        """Return ``[6, rows]``: x, y, angle, both velocities and the turn rate of the robots."""
         self._seen.clear()
         get_space_bodies(self.space, SEEN, self._seen)
         # A copy is needed because the next read fills the same memory.
-        return np.frombuffer(self._seen.float_buf()).reshape(-1, 6)[: len(self.bodies)].copy()
+        seen = np.frombuffer(self._seen.float_buf()).reshape(-1, 6)
+        return seen[: len(self.bodies)].T.copy()
 
     def step(self, forces: Floats, torques: Floats) -> list[Bump]:
         """Thrust the robots for one substep and return the contacts that have begun."""
         if self._is_alone:  # Other bodies keep the forces that somebody else applies to them.
-            [body], [force], [torque] = self.bodies, forces.tolist(), torques.tolist()
+            [body], [[ahead], [aside]], [torque] = self.bodies, forces.tolist(), torques.tolist()
             right, down = body.force
-            body.force = right + force[0], down + force[1]
+            body.force = right + ahead, down + aside
             body.torque += torque
         else:
-            self._pushes[:-1, :2], self._pushes[:-1, 2] = forces, torques
+            self._pushes[:-1, :2], self._pushes[:-1, 2] = forces.T, torques
             set_space_bodies(self.space, GIVEN, self._given)
         return self.stepper.run(0, 1)[1]
 
@@ -155,6 +156,7 @@ class DriveBodies:
         sizes = [min(ROWS_OF_A_SPACE, rows - start) for start in first]
         corners = [corners_of([layout] * size, spec.cell_size) for size in sizes]
         self.corners = np.concatenate(corners)
+        self._shifts = self.corners.T.copy()
         self.arenas = [
             DriveArena(spec, layout, start, places, is_alone=rows == 1)
             for start, places in zip(first, corners, strict=True)
@@ -184,12 +186,13 @@ class DriveBodies:
     def read(self) -> BodyState:
         """Return where the robots are, relative to their warehouses, and how they move."""
         parts = [arena.read() for arena in self.arenas]
-        rows = parts[0] if len(parts) == 1 else np.concatenate(parts)
-        return BodyState(rows[:, :2] - self.corners, rows[:, 2], rows[:, 3:5], rows[:, 5])
+        seen = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+        seen[:2] -= self._shifts
+        return BodyState(seen[:2].T, seen[2], seen[3:5].T, seen[5])
 
     def step(self, push: Thrust) -> list[Bump]:
         """Thrust all robots for one substep and return the contacts that have begun."""
         bumps: list[Bump] = []
         for arena, rows in zip(self.arenas, self._slices, strict=True):
-            bumps += arena.step(push.forces[rows], push.torques[rows])
+            bumps += arena.step(push.forces[:, rows], push.torques[rows])
         return bumps

@@ -126,7 +126,7 @@ class DriveRows:
         self._tiles = np.zeros((rows, settings.layout.height * settings.layout.width), np.int8)
         self._goals = np.zeros((2, rows, 2))
         self._floors: list[FloorConditions] = [FloorConditions(Disturbances(), 0)] * rows
-        self._odometers: list[Odometry | None] = [None] * rows
+        self._odometers: dict[int, Odometry] = {}
         self._loads = Loads(rows)
         self._is_felt = settings.disturbances.is_felt
         self._cells = np.full((rows, 2), -1)
@@ -183,11 +183,8 @@ class DriveRows:
             self._goals[kind, row] = centre_of((cells or (start,))[0], size)
         disturbances = self.settings.disturbances
         self._floors[row] = FloorConditions(disturbances, seed)
-        self._odometers[row] = (
-            Odometry([centre_of(start, size)], disturbances.odometry, seed)
-            if disturbances.odometry
-            else None
-        )
+        if disturbances.odometry:
+            self._odometers[row] = Odometry([centre_of(start, size)], disturbances.odometry, seed)
 
     def step(self, actions: Floats, *, is_traced: bool = False) -> DriveStep:
         """Carry out actions ``[B, 2]`` from -1 to 1 for one period of the controller."""
@@ -195,13 +192,13 @@ class DriveRows:
         commands = drive.command(actions)
         if settings.disturbances.actuation_noise:
             factors = np.array([floor.speed_factor() for floor in self._floors])
-            commands = commands * factors[:, None]
+            commands = commands * factors
         rows, dt = len(actions), self._spec.time_step
         step = DriveStep(*np.zeros((1, rows)), *np.zeros((2, rows), np.bool_), *np.zeros((2, rows)))
         start, work = self.state, np.zeros(rows)
         speeds = drive.speeds(start)
         for substep in range(1, settings.substeps + 1):
-            push = drive.push(self.state, commands, self._loads)
+            push = drive.push(self.state, speeds, commands, self._loads)
             for bump in bodies.step(push):
                 if bump.impulse > 0:  # not if they slide along each other or already separate
                     step.impulses[bump.row] += bump.impulse
@@ -211,7 +208,7 @@ class DriveRows:
             work += drive.work(push, before, speeds)
             if is_traced:
                 joules = joules_of(self._spec, work, substep * dt)
-                step.trace.append((self.state, push.motors, joules))
+                step.trace.append((self.state, push.motors.T, joules))
             if self._is_felt:
                 self._feel()
         step.joules += joules_of(self._spec, work, settings.substeps * dt)
@@ -228,9 +225,8 @@ class DriveRows:
     def poses(self) -> Floats:
         """Return the poses ``[B, 3]`` that the robots believe they have: x, y and heading."""
         poses = np.column_stack([self.state.positions, self.state.angles])
-        for row, odometer in enumerate(self._odometers):
-            if odometer is not None:
-                poses[row] = odometer.poses[0]
+        for row, odometer in self._odometers.items():
+            poses[row] = odometer.poses[0]
         return poses
 
     def goals(self) -> Floats:
@@ -293,12 +289,9 @@ class DriveRows:
 
     def _measure(self, start: BodyState) -> None:
         """Let odometers measure the motion of a step that began with ``start``."""
-        for row, odometer in enumerate(self._odometers):
-            if odometer is not None:
-                ends = [
-                    [0.0, *each.positions[row], each.angles[row]] for each in (start, self.state)
-                ]
-                odometer.measure([np.array(ends)])
+        for row, odometer in self._odometers.items():
+            ends = [[0.0, *each.positions[row], each.angles[row]] for each in (start, self.state)]
+            odometer.measure([np.array(ends)])
 
     def _judge(self, step: DriveStep, period: float) -> None:
         """Let robots pick, drop and charge, and set the rewards and the ends of episodes."""

@@ -65,16 +65,16 @@ def work_of_motion(spec, dt, states, drag):
     for before, after in pairwise(states):
         old, new = drive.speeds(before), drive.speeds(after)
         if spec.is_differential:
-            gain = (new - old).sum(axis=1) / 2 * spec.mass / dt
+            gain = (new - old).sum(axis=0) / 2 * spec.mass / dt
             spin = (after.turn_rates - before.turn_rates) * spec.mass * spec.radius**2 / 2 / dt
-            wheels = np.stack([gain + spin / spec.wheel_arm, gain - spin / spec.wheel_arm], axis=1)
+            wheels = np.stack([gain + spin / spec.wheel_arm, gain - spin / spec.wheel_arm])
             motors = wheels / 2 + drag / 2 * np.sign(old + new)
             done = motors * (old + new) / 2 * dt
         else:
             mean = (old + new) / 2
-            speed = np.hypot(*mean.T)[:, None]
+            speed = np.hypot(*mean)
             motors = spec.mass * (new - old) / dt + drag * mean / np.maximum(speed, 1e-12)
-            done = (motors * mean).sum(axis=1) * dt
+            done = (motors * mean).sum(axis=0) * dt
         work += np.where(done > 0, done, done * spec.recuperation * spec.drivetrain_efficiency)
     return work
 
@@ -91,7 +91,7 @@ def test_the_energy_is_the_integral_of_the_impulses(drive, recuperation):
         used += step.joules
         states = [start, *(state for state, _, _ in step.trace)]
         part = work_of_motion(spec, rows.settings.spec.time_step, states, spec.drag_force(False))
-        work = work + (part.sum(axis=1) if part.ndim == 2 else part)
+        work = work + (part.sum(axis=0) if part.ndim == 2 else part)
     seconds = 100 * 0.1
     expected = work / spec.drivetrain_efficiency + spec.idle_power * seconds
     assert np.abs(used / expected - 1).max() < 1e-3
@@ -136,9 +136,9 @@ def test_wheels_that_are_asked_for_too_much_keep_the_curve():
         command = drive_of(WHEELS, control, 1).command(np.array([[1.0, 1.0]]))
         most = WHEELS.motor_force / 2 if control == "force" else WHEELS.top_speed
         expected = [most, most] if control == "wheels" else [most, 0.0]
-        assert command.tolist() == [expected]
+        assert command.T.tolist() == [expected]
     command = drive_of(RobotSpec(), "velocity", 1).command(np.array([[1.0, 1.0]]))
-    assert np.hypot(*command[0]) == pytest.approx(1.0)
+    assert np.hypot(*command) == pytest.approx(1.0)
 
 
 def test_tyres_slide_on_ice_and_hold_elsewhere():
