@@ -9,14 +9,16 @@ substeps, of 1/60 s by default. Lengths are in metres, x points right (east) and
 The files are best read in this order:
 
 1. ``spec.py``: the numbers that describe a robot, such as its mass and the force of its motor.
-2. ``robot.py``: the motor, the floor that drags, and the phases of a drive.
-3. ``profile.py``: the speed to command and the time to brake, so that a robot stops at its target.
-4. ``arena.py``: the space with its walls, and the contacts between bodies.
-5. ``giving_way.py``: how robots that block each other get back to their cells.
-6. ``energy.py``: what a drive takes from the battery.
-7. ``rigid_body_motion.py``: the backend that moves robots cell by cell, from rest to rest.
-8. ``driving/``: the backend whose robots drive through cells without stopping in each.
-9. ``batch/``: many warehouses at once, with one robot in each.
+2. ``phases.py``: the phases of a drive, as a table.
+3. ``robot.py``: the motor and the floor that drags.
+4. ``profile.py``: the speed to command and the time to brake, so that a robot stops at its target.
+5. ``arena.py``: the space with its walls, and the contacts between bodies.
+6. ``giving_way.py``: how robots that block each other get back to their cells.
+7. ``energy.py``: what a drive takes from the battery.
+8. ``rigid_body_motion.py``: the backend that moves robots cell by cell, from rest to rest.
+9. ``driving/``: the backend whose robots drive through cells without stopping in each.
+10. ``batch/``: many warehouses at once, with one robot in each.
+11. ``drive/``: robots under continuous control, one or thousands of them.
 
 ``wheeled_robot.py`` has robots with two driven wheels. ``disturbances.py`` has slippery floors,
 weak motors, noise and failures.

@@ -15,6 +15,10 @@ the computer, whose ``idle_power`` is drawn all the time.
 The same law holds for the two wheels of a differential drive while they turn the robot on the spot.
 The distance and the speed are then measured at a wheel, and the mass is the one that the wheels
 feel in a turn.
+
+Chipmunk moves positions before it changes velocities. A position therefore lags half a substep
+behind the mean of the velocities before and after each substep. So the drag is counted over the
+distance of a point that is half a substep ahead of the body.
 """
 
 from __future__ import annotations
@@ -24,7 +28,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from warehouse_physics.profile import Floats, plan_profile
+from warehouse_core.world.tables import Integers
+from warehouse_physics.profile import Floats, lengths_of, plan_profile
 from warehouse_physics.spec import RobotSpec
 
 Amount = TypeVar("Amount", float, Floats)
@@ -43,6 +48,66 @@ def spent(work: Amount) -> Amount:
 def regained(spec: RobotSpec, work: Amount) -> Amount:
     """Return the energy in J that the battery gets back from some work, or 0 if it is positive."""
     return spec.recuperation * spec.drivetrain_efficiency * -(work - spent(work))
+
+
+def paid(spec: RobotSpec, work: Amount) -> Amount:
+    """Return the energy in J for which the battery pays: ``spent`` minus ``regained``."""
+    return spent(work) - regained(spec, work) if spec.recuperation else spent(work)
+
+
+def work_in_substep(
+    masses: Floats, before: Floats, after: Floats, drags: Floats, time_step: float
+) -> Floats:
+    """Return the work in J of motors that change speeds in m/s in a substep, all ``[R]``."""
+    gained = masses * (after**2 - before**2) / 2
+    work: Floats = gained + drags * np.abs(before) * time_step
+    return work
+
+
+class WorkBook:
+    """The work of one motor, from one reading of what it moves to the next.
+
+    Attributes:
+        place: position at the last reading, in metres along each axis or along a wheel.
+        energy: kinetic energy at the last reading, in J.
+    """
+
+    __slots__ = ("energy", "place")
+
+    def __init__(self, place: tuple[float, ...], energy: float = 0.0) -> None:
+        self.start(place, energy)
+
+    def start(self, place: tuple[float, ...], energy: float = 0.0) -> None:
+        """Begin to count with a reading."""
+        self.place, self.energy = place, energy
+
+    def until(self, place: tuple[float, ...], energy: float, drag: float) -> float:
+        """Return the work in J from the last reading to this one, with a drag in N."""
+        return energy - self.energy + drag * math.dist(self.place, place)
+
+    def count(self, place: tuple[float, ...], energy: float, drag: float) -> float:
+        """Return the work in J from the last reading to this one, which becomes the last."""
+        work = self.until(place, energy, drag)
+        self.start(place, energy)
+        return work
+
+
+class WorkBooks:
+    """The work of the motors of ``B`` robots; see ``WorkBook``."""
+
+    def __init__(self, robots: int) -> None:
+        self._places, self._energies = np.zeros((robots, 2)), np.zeros(robots)
+
+    def start(self, rows: Integers, places: Floats, energies: Floats | float = 0.0) -> None:
+        """Begin to count for some rows, with positions ``[N, 2]`` and energies ``[N]``."""
+        self._places[rows], self._energies[rows] = places, energies
+
+    def count(self, rows: Integers, places: Floats, energies: Floats, drags: Floats) -> Floats:
+        """Return the work ``[N]`` J of some rows from their last readings to these."""
+        work: Floats = energies - self._energies[rows]
+        work += drags * lengths_of(places - self._places[rows])
+        self.start(rows, places, energies)
+        return work
 
 
 def turn_work(spec: RobotSpec, quarters: int, loaded: bool) -> float:

@@ -34,7 +34,8 @@ from collections import defaultdict
 from collections.abc import Sequence
 
 from warehouse_core import Cell
-from warehouse_physics.robot import REST, Robot
+from warehouse_physics.phases import REST
+from warehouse_physics.robot import Robot
 
 STUCK = 20
 """Rounds after which robots use their full force. Nearly all jams end in fewer rounds."""

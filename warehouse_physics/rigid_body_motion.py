@@ -15,7 +15,8 @@ from warehouse_physics.disturbances import Disturbances, FloorConditions
 from warehouse_physics.energy import joules_of
 from warehouse_physics.exclusive import exclusive
 from warehouse_physics.giving_way import GivingWay
-from warehouse_physics.robot import MAX_SECONDS, NEVER, REST, BodyRow, Robot
+from warehouse_physics.phases import NEVER, REST
+from warehouse_physics.robot import MAX_SECONDS, BodyRow, Robot
 from warehouse_physics.robot_arena import RobotArena
 from warehouse_physics.spec import (
     MAX_FLEET_RADIUS,

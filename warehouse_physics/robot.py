@@ -11,20 +11,18 @@ the robot does is the result of forces.
 which is ``floor_drag * m * g`` newtons. To accelerate at ``a`` m/s² the motor pushes with
 ``m * a`` plus the drag. To brake at the same rate it needs only ``m * a`` minus the drag.
 
-*A drive* has two phases. The robot is commanded a velocity for the first (``GO``) and 0 for the
-second (``BRAKE``). ``profile.py`` calculates the velocity and the duration of both phases, so that
-the robot stops at its target. At rest the robot compares its position with the target, and drives
-again if it has not arrived. After a hit with something that is in the way it brakes and gives up.
-Its new target is then the middle of the cell in which it began.
+*A drive* has phases; see ``phases.py``. The robot is commanded a velocity while it goes and 0 while
+it brakes. ``profile.py`` calculates the velocity and the duration of both, so that the robot stops
+at its target. At rest the robot compares its position with the target, and drives again if it has
+not arrived. After a hit with something that is in the way it brakes and gives up. Its new target is
+then the middle of the cell in which it began.
 
-*Work* is counted at the wheels: the kinetic energy that the body has gained plus the drag times the
-distance. See ``energy.py``.
+*Work* is counted from one phase to the next; see ``energy.py``.
 """
 
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass, field
 from itertools import product
 
@@ -34,23 +32,28 @@ from warehouse_core import Cell
 from warehouse_core.motion.base import Contact, centre_of
 from warehouse_physics.arena import Arena, Hit, Position
 from warehouse_physics.disturbances import FloorConditions
-from warehouse_physics.energy import kinetic, regained, spent
+from warehouse_physics.energy import WorkBook, kinetic, regained, spent
+from warehouse_physics.phases import (
+    AT_REST,
+    BRAKE,
+    DUE,
+    GO,
+    HELD,
+    LATE,
+    MET,
+    NEVER,
+    NEXT,
+    OFF,
+    REST,
+    ROLLS,
+    THERE,
+)
 from warehouse_physics.profile import braking, plan_profile
 from warehouse_physics.spec import ARRIVED, RobotSpec
 from warehouse_physics.stepping import read
 
-AT_REST = 1e-6
-"""Speed in m/s below which a robot is at rest. After a hit the solver may leave a higher speed, and
-the robot then goes on braking."""
-
 BodyRow = tuple[float, ...]
 """A row of ``Outcome.path`` followed by a row of ``Outcome.readings``, 9 numbers in all."""
-
-REST, GO, BRAKE, HELD = range(4)
-"""Phases of a drive. A held robot waits until all others are at rest; see ``giving_way.py``."""
-
-NEVER = sys.maxsize
-"""End of the phase of a robot that has nothing to do, as a substep that is never reached."""
 
 MAX_SECONDS = 180.0
 """Seconds after which the action of a robot ends, wherever it is."""
@@ -95,7 +98,7 @@ class Robot:
         velocity: velocity of the body then, in m/s.
         angle: heading of the body then, in radians.
         action: latest action.
-        phase: current phase of the drive: ``REST``, ``GO``, ``BRAKE`` or ``HELD``.
+        phase: current phase of the drive; see ``phases.py``.
         until: substep at which the phase ends, or ``NEVER``.
     """
 
@@ -115,8 +118,7 @@ class Robot:
         self._heading = self._turn = 0.0
         self._aim: Position = (1.0, 0.0)
         self.look()
-        # Position and kinetic energy at the last count of work, and substeps to brake after GO.
-        self._start, self._energy, self._braking = self.position, 0.0, 0
+        self._book, self._braking = WorkBook(self.position), 0  # substeps to brake after GO
         self._floor_cell = cell
         self._load(False, spec.acceleration)
         self._brake(0, 0)
@@ -207,20 +209,38 @@ class Robot:
     def next_phase(self, now: int) -> None:
         """Start the phase that is due at substep ``now``."""
         self.look()
-        if self.phase == GO:
-            self._count_work(self.velocity, self._lead)
-            self._brake(now, self._braking)
-            return
-        self._count_braking(self.velocity, self._lead)
-        action, speed = self.action, math.hypot(*self.velocity)
-        if speed > AT_REST:
-            self._brake(now, self._braking_from(speed))
-        elif now >= action.deadline or self.has_arrived():
+        self._count_phase()
+        following = NEXT[self.phase, self._event(now)]
+        if following == BRAKE:
+            self._brake(now, self._substeps_to_brake(now))
+        elif following == REST:
             self.rest(now)
-        elif action.has_met or (action.gave_up and action.is_followed):
+        elif following == HELD:
             self.phase, self.until = HELD, NEVER
         else:
             self.drive(now, self.waypoint())
+
+    def _event(self, now: int) -> int:
+        """Return the event that ends the present phase at substep ``now``; see ``phases.py``."""
+        action = self.action
+        if self.phase != BRAKE:
+            return DUE
+        if self._rolls():
+            return ROLLS
+        if now >= action.deadline:
+            return LATE
+        if self.has_arrived():
+            return THERE
+        return MET if action.has_met or (action.gave_up and action.is_followed) else OFF
+
+    def _rolls(self) -> bool:
+        return math.hypot(*self.velocity) > AT_REST
+
+    def _substeps_to_brake(self, now: int) -> int:
+        """Return how long to brake from substep ``now``, after a phase or since it still rolls."""
+        if self.phase == GO:
+            return self._braking
+        return self._braking_from(math.hypot(*self.velocity))
 
     def drive(
         self, now: int, waypoint: Position, share: float = 1.0, *, is_hard: bool = False
@@ -235,22 +255,20 @@ class Robot:
             if is_hard
             else self._acceleration * share
         )
-        self._start, self._energy = self.position, 0.0
-        profile = plan_profile(self._start, waypoint, *self._spec.limits(acceleration, share))
+        self._book.start(self.position)
+        profile = plan_profile(self.position, waypoint, *self._spec.limits(acceleration, share))
         if self._conditions is not None:
             profile = profile.scaled(self._conditions.speed_factor())
         self._control.velocity = right, down = profile.velocity
         speed = math.hypot(right, down) or 1.0
         self._aim = right / speed, down / speed
-        # The floor helps to brake. The motor does the rest, so that the robot brakes as fast as it
-        # speeds up, unless the floor alone brakes harder.
-        self._brake_at(acceleration)
-        self._push(self._mass * acceleration + self._nominal_drag)
+        force, self._braking_force = forces(self._mass, acceleration, self._nominal_drag)
+        self._push(force)
         self.phase, self.until, self._braking = GO, now + profile.go, profile.brake
 
     def restore_braking(self) -> None:
         """Brake with the normal force again, after a drive with the full force of the motor."""
-        self._brake_at(self._acceleration)
+        self._braking_force = forces(self._mass, self._acceleration, self._nominal_drag)[1]
         self._push(self._braking_force)
 
     def rest(self, now: int) -> None:
@@ -290,8 +308,8 @@ class Robot:
         if self.phase == GO and self.action.last_hit < now:
             self._count_impact(hit)
         elif self.action.last_hit < now:
-            self._count_braking(hit.velocity, -self._lead)
-            self._count_from(self.body.velocity, self._lead)
+            self._count(hit.velocity, -self._lead)
+            self._book.start(*self._reading(self.body.velocity, self._lead))
         self.action.last_hit = now
         if self._is_hindered_by(hit, None if other is None else other.action):
             self.give_up()
@@ -310,13 +328,7 @@ class Robot:
         velocity = self.body.velocity
         mean = self._driving_part(before + velocity) / 2
         self.look()
-        work = self._work_since_count(velocity, self._lead) - sum(
-            each.dot(mean) for each in impulses
-        )
-        if self.phase == GO:
-            self.action.work += spent(work)
-        elif self._spec.recuperation:
-            self.action.work -= regained(self._spec, work)
+        self._count(velocity, self._lead, sum(each.dot(mean) for each in impulses))
 
     def give_up(self) -> None:
         """Make the middle of the cell in which the action began the target."""
@@ -349,8 +361,7 @@ class Robot:
         self.look()
         cell = self.cell
         if self._conditions is not None and cell != self._floor_cell:
-            count = self._count_work if self.phase == GO else self._count_braking
-            count(self.velocity, self._lead)
+            self._count(self.velocity, self._lead)
             self._floor_cell = cell
             self._drag = self._nominal_drag * self._conditions.drag_factor(cell)
             self._floor.max_force = self._drag
@@ -383,10 +394,6 @@ class Robot:
         self._push(self._braking_force)
         self.phase, self.until = BRAKE, now + substeps
 
-    def _brake_at(self, acceleration: float) -> None:
-        """Let the motor brake at ``acceleration`` m/s²; it idles if the floor brakes harder."""
-        self._braking_force = max(self._mass * acceleration - self._nominal_drag, 0.0)
-
     def _braking_from(self, speed: float) -> int:
         deceleration = max(self._acceleration, self._spec.floor_deceleration)
         return braking(speed, deceleration, self._spec.time_step)
@@ -417,48 +424,36 @@ class Robot:
             force = min(force, limit)
         self._motor.max_force = force
 
-    def _count_work(self, velocity: Position, lead: float) -> None:
-        """Add the work that the motor has done since the last count."""
-        self.action.work += spent(self._work_since_count(velocity, lead))
+    def _count_phase(self) -> None:
+        """Count the work of a phase that is over."""
+        self._count(self.velocity, self._lead)
 
-    def _count_braking(self, velocity: Position, lead: float) -> None:
-        """Subtract the energy that the motor has recovered since the last count."""
-        if self._spec.recuperation:
-            self.action.work -= regained(self._spec, self._work_since_count(velocity, lead))
+    def _count(self, velocity: Position, lead: float, received: float = 0.0) -> None:
+        """Count the work of the motor up to a reading; see ``_reading``.
+
+        Energy in J that the robot has ``received`` from others is not work of its motor. A motor
+        that brakes may recover energy.
+        """
+        work = self._book.count(*self._reading(velocity, lead), self._drag) - received
+        if self.phase == GO:
+            self.action.work += spent(work)
+        elif self._spec.recuperation:
+            self.action.work -= regained(self._spec, work)
 
     def _uncounted(self) -> float:
         """Return the work in J that the next count would add."""
+        if self.phase not in (GO, BRAKE):
+            return 0.0
+        work = self._book.until(*self._reading(self.velocity, self._lead), self._drag)
         if self.phase == GO:
-            work = self._work_until(*self._book(self.velocity, self._lead))
             return work if work > 0 else 0.0
-        if self.phase == BRAKE:
-            work = self._work_until(*self._book(self.velocity, self._lead))
-            return -regained(self._spec, work)
-        return 0.0
+        return -regained(self._spec, work)
 
-    def _work_since_count(self, velocity: Position, lead: float) -> float:
-        """Return the work of the motor since the last count, in J, and start a new count."""
-        position, energy = self._book(velocity, lead)
-        work = self._work_until(position, energy)
-        self._start, self._energy = position, energy
-        return work
+    def _reading(self, velocity: Position, lead: float) -> tuple[Position, float]:
+        """Return a reading for the book: a position in metres and the kinetic energy in J.
 
-    def _work_until(self, position: Position, energy: float) -> float:
-        """Return the work of the motor in J since the last count: kinetic energy gained plus drag.
-
-        Chipmunk moves positions before it changes velocities, so a position lags half a substep
-        behind the mean of the velocities before and after each substep. The drag is therefore
-        counted over the distance of a point that is ``lead`` seconds ahead of the middle of the
-        body at ``velocity``.
+        The position belongs to a point ``lead`` seconds ahead of the body; see ``energy.py``.
         """
-        return energy - self._energy + self._drag * math.dist(self._start, position)
-
-    def _count_from(self, velocity: Position, lead: float) -> None:
-        """Start a new count of work at the present position and at ``velocity``."""
-        self._start, self._energy = self._book(velocity, lead)
-
-    def _book(self, velocity: Position, lead: float) -> tuple[Position, float]:
-        """Return the position in metres and the kinetic energy in J with which a count begins."""
         (x, y), (right, down) = self.position, velocity
         return (x + lead * right, y + lead * down), kinetic(self._mass, right, down)
 
@@ -470,14 +465,14 @@ class Robot:
         velocity. The work of this impulse is the impulse times the mean of the velocities before
         and after.
         """
-        self._count_work(hit.velocity, -self._lead)
+        self._count(hit.velocity, -self._lead)
         after = self.body.velocity
         aim = self._driving_part(self._control.velocity - after)
         if aim.length < AT_REST:
             aim = self._driving_part(-pymunk.Vec2d(*hit.push))
         forward = aim.normalized().dot(after + hit.velocity) / 2
         self.action.work += spent(self._motor.impulse * forward)
-        self._count_from(after, self._lead)
+        self._book.start(*self._reading(after, self._lead))
 
     def _driving_part(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
         """Return the part of a vector in whose direction the motor can push, here all of it."""
@@ -495,10 +490,19 @@ class Robot:
         self._drag = self._nominal_drag = self._spec.drag_force(loaded)
         self.body.mass = self._mass = self._spec.total_mass(loaded)
         self.body.moment = pymunk.moment_for_circle(self._mass, 0.0, self._spec.radius)
-        self._brake_at(acceleration)
+        self._braking_force = forces(self._mass, acceleration, self._drag)[1]
         if self._conditions is not None:
             self._drag *= self._conditions.drag_factor(self._floor_cell)
         self._floor.max_force = self._drag
+
+
+def forces(mass: float, rate: float, drag: float) -> tuple[float, float]:
+    """Return the forces in N with which a motor speeds up and brakes a mass.
+
+    The mass is in kg, the rate in m/s² and the drag in N. The floor helps to brake. The motor does
+    the rest, and nothing if the floor alone brakes harder.
+    """
+    return mass * rate + drag, max(mass * rate - drag, 0.0)
 
 
 def offset(position: Position, other: Position) -> Position:

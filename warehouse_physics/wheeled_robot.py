@@ -22,13 +22,11 @@ import pymunk
 
 from warehouse_core import Cell
 from warehouse_physics.arena import Position
-from warehouse_physics.energy import kinetic, regained, spent
+from warehouse_physics.energy import WorkBook, kinetic, regained, spent
+from warehouse_physics.phases import AT_REST, BRAKE, REST, TURN
 from warehouse_physics.profile import braking
-from warehouse_physics.robot import AT_REST, BRAKE, HELD, REST, Robot, offset
+from warehouse_physics.robot import Robot, forces, offset
 from warehouse_physics.spec import ARRIVED
-
-TURN = HELD + 1
-"""Phase in which the robot turns on the spot, before it brakes."""
 
 LINE = 100.0
 """Distance in cells from the control body to the ends of the lines that guide a robot."""
@@ -56,8 +54,7 @@ class WheeledRobot(Robot):
         # A robot that the solver moves off its line, to correct an overlap, is back in one substep.
         self._tyres.error_bias = 0.0
         self._steering = pymunk.SimpleMotor(self.body, self._control, 0.0)
-        # Metres that a wheel has driven and kinetic energy, at the last count of work in turns.
-        self._turned = self._turn_energy = 0.0
+        self._turn_book = WorkBook((0.0,))
         self._leaves, self._is_to_face = 0, False
         self.phase = REST
         return [self._tyres, self._motor, self._steering]
@@ -83,20 +80,23 @@ class WheeledRobot(Robot):
         self._leaves = 0
         self._turn_by(0, math.remainder(math.atan2(*direction) - self.body.angle, math.tau))
 
-    def next_phase(self, now: int) -> None:
-        """Start the phase that is due at substep ``now``."""
-        rim = abs(self.body.angular_velocity) * self._spec.wheel_arm
-        if self.phase == BRAKE and self._spec.recuperation:
-            self.action.work -= regained(self._spec, self._turn_work_since_count())
+    def _rolls(self) -> bool:
+        return self._rim_speed() > AT_REST or super()._rolls()
+
+    def _rim_speed(self) -> float:
+        """Return the speed in m/s at which the wheels turn the robot."""
+        return abs(self.body.angular_velocity) * self._spec.wheel_arm
+
+    def _substeps_to_brake(self, now: int) -> int:
         if self.phase == TURN:
-            self._brake(now, max(self._braking, self._leaves - now))
-        elif self.phase == BRAKE and rim > AT_REST:
+            return max(self._braking, self._leaves - now)
+        rim = self._rim_speed()
+        if self.phase == BRAKE and rim > AT_REST:
             rate = max(
                 self._spec.turning_acceleration(self._loaded), self._drag / self._turning_mass
             )
-            self._brake(now, braking(rim, rate, self._spec.time_step))
-        else:
-            super().next_phase(now)
+            return braking(rim, rate, self._spec.time_step)
+        return super()._substeps_to_brake(now)
 
     def drive(
         self, now: int, waypoint: Position, share: float = 1.0, *, is_hard: bool = False
@@ -165,20 +165,17 @@ class WheeledRobot(Robot):
         if self._conditions is not None:
             profile = profile.scaled(self._conditions.speed_factor())
         self._brake(now, 0)
-        self._turn_work_since_count()
+        self._count_turn()
         self._control.angular_velocity = profile.velocity[0] / spec.wheel_arm
-        acceleration = spec.turning_acceleration(self._loaded)
-        wanted = min(self._turning_mass * acceleration + self._nominal_drag, self._limit())
+        wanted = min(self._turning_forces()[0], self._limit())
         self._steering.max_force = spec.wheel_arm * max(wanted - self._drag, 0.0)
         self.phase, self.until, self._braking = TURN, now + profile.go, profile.brake
 
     def _brake(self, now: int, substeps: int) -> None:
         if self.phase == TURN:
-            self.action.work += spent(self._turn_work_since_count())
+            self.action.work += spent(self._count_turn())
         self._control.angular_velocity = 0.0
-        acceleration = self._spec.turning_acceleration(self._loaded)
-        wanted = max(self._turning_mass * acceleration - self._nominal_drag, 0.0)
-        force = min(wanted, self._limit()) + self._drag
+        force = min(self._turning_forces()[1], self._limit()) + self._drag
         self._steering.max_force = self._spec.wheel_arm * force
         super()._brake(now, substeps)
 
@@ -188,40 +185,45 @@ class WheeledRobot(Robot):
             return math.inf
         return self._conditions.force_limit(self._floor_cell, self._spec.motor_force, self._mass)
 
-    def _turn_work_since_count(self) -> float:
-        """Return the work of the motors in turns since the last count, in J.
+    def _turning_forces(self) -> tuple[float, float]:
+        """Return the forces in N at the wheels with which turns speed up and brake."""
+        rate = self._spec.turning_acceleration(self._loaded)
+        return forces(self._turning_mass, rate, self._nominal_drag)
 
-        It is counted at the wheels: kinetic energy gained plus drag times the distance of a wheel.
-        """
-        turned, energy = self._turn_book()
-        work = self._turn_work_until(turned, energy)
-        self._turned, self._turn_energy = turned, energy
-        return work
+    def _count_turn(self) -> float:
+        """Return the work in J of the wheels in a turn since it was last counted."""
+        return self._turn_book.count(*self._turn_reading(), self._drag)
 
-    def _turn_work_until(self, turned: float, energy: float) -> float:
-        return energy - self._turn_energy + self._drag * abs(turned - self._turned)
-
-    def _turn_book(self) -> tuple[float, float]:
+    def _turn_reading(self) -> tuple[tuple[float], float]:
         """Return the metres that a wheel has driven and the kinetic energy of the turn in J."""
         rim = self.body.angular_velocity * self._spec.wheel_arm
         turned = self.body.angle * self._spec.wheel_arm + self._lead * rim
-        return turned, kinetic(self._turning_mass, rim, 0.0)
+        return (turned,), kinetic(self._turning_mass, rim, 0.0)
+
+    def _count_phase(self) -> None:
+        """Count the work of the turn, and the work of the drive unless the robot still turns."""
+        if self.phase == TURN:
+            return  # ``_brake`` counts the turn, because a hit may end it too
+        if self.phase == BRAKE and self._spec.recuperation:
+            self.action.work -= regained(self._spec, self._count_turn())
+        if self._rim_speed() <= AT_REST:
+            super()._count_phase()
 
     def _uncounted(self) -> float:
         """Return the work in J that the next count would add; see ``Robot._uncounted``."""
+        if self.phase not in (TURN, BRAKE):
+            return super()._uncounted()
+        work = self._turn_book.until(*self._turn_reading(), self._drag)
         if self.phase == TURN:
-            return spent(self._turn_work_until(*self._turn_book()))
-        work = super()._uncounted()
-        if self.phase == BRAKE:
-            work -= regained(self._spec, self._turn_work_until(*self._turn_book()))
-        return work
+            return spent(work)
+        return super()._uncounted() - regained(self._spec, work)
 
-    def _book(self, velocity: Position, lead: float) -> tuple[Position, float]:
-        """Return the position and energy with which a count begins; see ``Robot._book``.
+    def _reading(self, velocity: Position, lead: float) -> tuple[Position, float]:
+        """Return a reading for the book; see ``Robot._reading``.
 
         The part of the velocity to the side is not due to the wheels and is ignored.
         """
-        return super()._book(self._driving_part(pymunk.Vec2d(*velocity)), lead)
+        return super()._reading(self._driving_part(pymunk.Vec2d(*velocity)), lead)
 
     def _driving_part(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
         """Return the part of a vector that is along the heading."""

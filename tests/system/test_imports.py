@@ -58,6 +58,7 @@ MAY_IMPORT = {
     ),
     "warehouse_physics/disturbances": "",
     "warehouse_physics/exclusive": "",
+    "warehouse_physics/phases": "",
     "warehouse_physics/profile": "",
     "warehouse_physics/pymunk_version": "",
     "warehouse_physics/stepping": "",
@@ -67,11 +68,13 @@ MAY_IMPORT = {
     "warehouse_physics/energy": "profile spec",
     "warehouse_physics/driven_arena": "arena profile spec",
     "warehouse_physics/odometry": "arena profile",
-    "warehouse_physics/robot": "arena disturbances energy profile spec stepping",
-    "warehouse_physics/batch": "arena driven_arena energy exclusive profile robot spec walls",
+    "warehouse_physics/robot": "arena disturbances energy phases profile spec stepping",
+    "warehouse_physics/batch": (
+        "arena driven_arena energy exclusive phases profile robot spec walls"
+    ),
     "warehouse_physics/body_motion": "disturbances energy odometry profile spec",
-    "warehouse_physics/giving_way": "robot",
-    "warehouse_physics/wheeled_robot": "arena energy profile robot spec",
+    "warehouse_physics/giving_way": "phases robot",
+    "warehouse_physics/wheeled_robot": "arena energy phases profile robot spec",
     "warehouse_physics/driving": (
         "arena body_motion disturbances driven_arena energy exclusive profile spec walls "
         "wheeled_robot"
@@ -79,7 +82,7 @@ MAY_IMPORT = {
     "warehouse_physics/drive": ("arena batch disturbances energy odometry profile spec walls"),
     "warehouse_physics/robot_arena": "arena disturbances robot spec walls wheeled_robot",
     "warehouse_physics/rigid_body_motion": (
-        "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
+        "batch body_motion disturbances energy exclusive giving_way phases robot robot_arena spec"
     ),
     "agents/errors": "",
     "agents/handbook/exercises": "",

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from warehouse_core.world.tables import Flags, Integers, Rows
 from warehouse_physics.arena import Hit, Position
 from warehouse_physics.batch.warehouses import Warehouses
-from warehouse_physics.energy import kinetic, regained, spent, turn_work
+from warehouse_physics.energy import WorkBooks, kinetic, regained, spent, turn_work
+from warehouse_physics.phases import AT_REST, BRAKE, GO, NEVER, REST
 from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_profiles
-from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SECONDS, NEVER, REST
+from warehouse_physics.robot import MAX_SECONDS
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
 
@@ -64,7 +65,7 @@ class BatchRobots:
         self._phase = np.full(robots, REST)
         self._until: Substeps = np.full(robots, NEVER, np.int64)
         self._braking: Substeps = np.zeros(robots, np.int64)
-        self._start, self._energy = np.zeros((robots, 2)), np.zeros(robots)
+        self._books = WorkBooks(robots)
         self.gave_up = np.zeros(robots, np.bool_)
         self.work = np.zeros(robots)
         self.substeps: Substeps = np.zeros(robots, np.int64)
@@ -118,7 +119,10 @@ class BatchRobots:
         self._positions, self._velocities = self.arena.look()
 
     def _next_phase(self, now: int) -> None:
-        """Start the phases that are due at substep ``now``."""
+        """Start the phases that are due at substep ``now``, as in ``phases.py``.
+
+        A lone robot meets no other robot, and has no time limit without disturbances.
+        """
         due = np.flatnonzero(self._until <= now)
         is_going = self._phase[due] == GO
         gone, braked = due[is_going], due[~is_going]
@@ -149,7 +153,7 @@ class BatchRobots:
         self._count_impact(rows[is_going], velocities[is_going])
         others = rows[~is_going]
         self._count_braking(others, velocities[~is_going], -self._lead)
-        self._count_from(others, self._velocities[others], self._lead)
+        self._books.start(others, *self._readings(others, self._velocities[others], self._lead))
         along = (pushes * self._displacements[rows]).sum(axis=1)
         across = (pushes * self._displacements[rows][:, ::-1] * (1, -1)).sum(axis=1)
         is_hindered = (-along > abs(across)) & (self._phase[rows] != REST)
@@ -161,8 +165,8 @@ class BatchRobots:
     def _go(self, rows: Integers, now: int) -> None:
         if not len(rows):
             return
-        self._start[rows] = start = self._positions[rows]
-        self._energy[rows] = 0.0
+        start = self._positions[rows]
+        self._books.start(rows, start)
         acceleration = self._accelerations[self._loaded[rows]]
         displacements = self._target[rows] - start
         velocities, go, brake = plan_profiles(displacements, *self._spec.limits(acceleration))
@@ -204,20 +208,13 @@ class BatchRobots:
             self.work[rows] -= regained(self._spec, self._work_since_count(rows, velocities, lead))
 
     def _work_since_count(self, rows: Integers, velocities: Floats, lead: float) -> Floats:
-        """Return the work of motors since the last count, in J: kinetic energy gained plus drag.
+        drags = self._drags[self._loaded[rows]]
+        return self._books.count(rows, *self._readings(rows, velocities, lead), drags)
 
-        See ``Robot._work_since_count`` for ``lead``.
-        """
-        starts, energies = self._start[rows], self._energy[rows]
-        self._count_from(rows, velocities, lead)
-        drags = self._drags[self._loaded[rows]] * lengths_of(self._start[rows] - starts)
-        worked: Floats = self._energy[rows] - energies + drags
-        return worked
-
-    def _count_from(self, rows: Integers, velocities: Floats, lead: float) -> None:
-        """Start a new count of work at the present positions and at ``velocities``."""
-        self._start[rows] = self._positions[rows] + lead * velocities
-        self._energy[rows] = kinetic(self._masses[self._loaded[rows]], *velocities.T)
+    def _readings(self, rows: Integers, velocities: Floats, lead: float) -> tuple[Floats, Floats]:
+        """Return positions and kinetic energies; see ``Robot._reading``."""
+        energies = kinetic(self._masses[self._loaded[rows]], *velocities.T)
+        return self._positions[rows] + lead * velocities, energies
 
     def _count_impact(self, rows: Integers, before: Floats) -> None:
         """Add the work up to hits in this substep, and the work of the motors during the hits.
@@ -231,7 +228,7 @@ class BatchRobots:
         commands = self._commands[rows]
         forward = ((before + after) * commands).sum(axis=1) / lengths_of(commands)
         self.work[rows] += spent(pushes * forward / 2)
-        self._count_from(rows, after, self._lead)
+        self._books.start(rows, *self._readings(rows, after, self._lead))
 
     def _rest(self, rows: Rows, now: int) -> None:
         self._phase[rows], self._until[rows], self.substeps[rows] = REST, NEVER, now

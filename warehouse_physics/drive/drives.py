@@ -31,7 +31,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from warehouse_core.arguments import one_of
-from warehouse_physics.energy import regained, spent
+from warehouse_physics.energy import paid
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
 
@@ -134,14 +134,9 @@ class Drive(ABC):
         ``before`` and ``after`` are ``speeds`` at the ends of the substep. The work of a motor that
         brakes is at most 0.
         """
-        first, second = self._paid(push.parts * (before + after) * (self._dt / 2))
+        first, second = paid(self._spec, push.parts * (before + after) * (self._dt / 2))
         work: Floats = first + second
         return work
-
-    def _paid(self, work: Floats) -> Floats:
-        if not self._spec.recuperation:
-            return np.maximum(work, 0.0)
-        return spent(work) - regained(self._spec, work)
 
 
 class OmnidirectionalDrive(Drive):
@@ -190,7 +185,7 @@ class OmnidirectionalDrive(Drive):
 
         The motor acts in one direction, so the work along both axes is a single amount.
         """
-        return self._paid(_dots(push.parts, before + after) * (self._dt / 2))
+        return paid(self._spec, _dots(push.parts, before + after) * (self._dt / 2))
 
 
 class WheelDrive(Drive):

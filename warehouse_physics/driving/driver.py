@@ -31,7 +31,7 @@ from warehouse_physics.driving.leaders import NOWHERE, Leaders, RoutePlaces
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
 from warehouse_physics.driving.wheels import WheeledArena, WheelHeadings
-from warehouse_physics.energy import regained, spent
+from warehouse_physics.energy import regained, spent, work_in_substep
 from warehouse_physics.profile import Floats, lengths_of, stopping_distances, stopping_speeds
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
@@ -175,8 +175,8 @@ class Driver:
         self._arena.command(self._motors.command(chosen, speeds, before, turns))
         _, hits = self._arena.stepper.run(0, 1)
         self._look()
-        gained = self._limits.masses * (self._speeds**2 - before**2) / 2
-        work = gained + self._motors.drags * np.abs(before) * self._dt
+        masses, drags = self._limits.masses, self._motors.drags
+        work = work_in_substep(masses, before, self._speeds, drags, self._dt)
         self.work += spent(work)
         if self._spec.recuperation:
             work[[hit.robot for hit in hits]] = 0.0  # a hit takes energy that is not recovered

@@ -19,7 +19,7 @@ from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.headings import Headings
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
-from warehouse_physics.energy import regained, spent
+from warehouse_physics.energy import paid, work_in_substep
 from warehouse_physics.profile import Floats, stopping_speeds
 from warehouse_physics.spec import RobotSpec
 from warehouse_physics.wheeled_robot import mass_on_line
@@ -117,6 +117,5 @@ class WheelHeadings(Headings):
     def _count(self, before: Floats) -> None:
         """Add the work of the motors in a substep that began with the wheel speeds ``before``."""
         masses = self._limits.masses / (2 * self._spec.track**2)
-        gained = masses * (self._speeds**2 - before**2) / 2
-        work = gained + self._motors.drags * np.abs(before) * self._spec.time_step
-        self.work += spent(work) - regained(self._spec, work)
+        drags, dt = self._motors.drags, self._spec.time_step
+        self.work += paid(self._spec, work_in_substep(masses, before, self._speeds, drags, dt))
