@@ -317,6 +317,10 @@ class Robot:
         elif self.phase != GO:
             self.halt(now)
 
+    def is_counting(self) -> bool:
+        """Return whether the motor does or recovers work in the present phase."""
+        return self.phase == GO or self._spec.recuperation > 0
+
     def count_push(self, before: pymunk.Vec2d) -> None:
         """Count the work of the motor in a substep in which the robot touches another one.
 

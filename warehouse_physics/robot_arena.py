@@ -51,7 +51,7 @@ class RobotArena(Arena):
             if not hits:
                 return now
         while now < until and not hits:
-            # Pushes between robots, and floors that differ, have to be looked at in each substep.
+            # Work while others push, and floors that differ, have to be looked at in each substep.
             pushed = {each: self.bodies[each].velocity for each in self._pushed()}
             is_watched = bool(pushed) or self._varies
             now, hits = self.stepper.run(now, now + 1 if is_watched else until)
@@ -68,14 +68,17 @@ class RobotArena(Arena):
         return now
 
     def _pushed(self) -> set[int]:
-        """Return the robots that have hit another robot and still touch it."""
-        reach, bodies = 2 * self._spec.body_radius, self.bodies
-        self._touching = {
-            (one, other)
-            for one, other in self._touching
-            if bodies[one].position.get_distance(bodies[other].position) < reach
-        }
-        return {robot for robot, _ in self._touching}
+        """Return the robots whose work counts and that still touch a robot which they have hit."""
+        reach, pushed = 2 * self._spec.body_radius, set[int]()
+        for pair in tuple(self._touching):
+            counting = [robot for robot in pair if self.robots[robot].is_counting()]
+            if counting:
+                one, other = (self.bodies[robot].position for robot in pair)
+                if one.get_distance(other) < reach:
+                    pushed.update(counting)
+                else:
+                    self._touching.remove(pair)
+        return pushed
 
     def _mass(self, robot: int, normal: pymunk.Vec2d) -> float:
         """Return the mass in kg with which a robot resists a push along ``normal``."""
