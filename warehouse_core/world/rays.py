@@ -32,8 +32,8 @@ class WallRays:
 
     def __init__(self, layout: Layout) -> None:
         tiles = np.array([list(row) for row in layout.rows])
-        self._is_wall = np.pad(tiles == WALL, 1, constant_values=True)
-        self._width = self._is_wall.shape[1]
+        is_open = np.pad(tiles != WALL, 1, constant_values=False)
+        self._is_open, self._width = is_open.ravel(), is_open.shape[1]
 
     def distances(self, positions: Floats, angles: Floats, reach: float) -> Floats:
         """Return the distance to the first wall along each ray, at most ``reach``.
@@ -48,28 +48,28 @@ class WallRays:
         Returns:
             ``[N, K]`` distances.
         """
-        shape = angles.shape
         ahead = np.stack([np.cos(angles), np.sin(angles)]).reshape(2, -1)
-        start = np.repeat(positions.T, shape[1], axis=1)
+        is_positive = ahead > 0
+        start = np.repeat(positions.T, angles.shape[1], axis=1)
         cells = np.floor(start)
         with np.errstate(divide="ignore"):
             apart = np.abs(1 / ahead)  # distance along the ray between two lines of one direction
-        room = np.where(ahead > 0, cells + 1 - start, start - cells)
+        room = np.where(is_positive, cells + 1 - start, start - cells)
         # Rays along a line never cross it.
-        nexts = np.where(np.isinf(apart), np.inf, room * apart)
-        steps = np.where(ahead > 0, 1, -1) * np.array([[1], [self._width]])
+        next_x, next_y = np.where(np.isinf(apart), np.inf, room * apart)
+        apart_x, apart_y = apart
+        step_x, step_y = np.where(is_positive, 1, -1) * np.array([[1], [self._width]])
         places = ((cells[1] + 1) * self._width + cells[0] + 1).astype(np.intp)
-        is_wall = self._is_wall.ravel()
-        distances = np.zeros(len(places))
-        rays = np.arange(len(places))
+        distances, rays = np.empty(len(places)), np.arange(len(places))
         while len(rays):
-            crosses_x = nexts[0] <= nexts[1]
-            passed = np.where(crosses_x, nexts[0], nexts[1])
-            places += np.where(crosses_x, steps[0], steps[1])
-            nexts[0] += np.where(crosses_x, apart[0], 0.0)
-            nexts[1] += np.where(crosses_x, 0.0, apart[1])
-            goes_on = ~is_wall[places]
-            distances[rays] = passed
-            rays, places = rays[goes_on], places[goes_on]
-            nexts, apart, steps = nexts[:, goes_on], apart[:, goes_on], steps[:, goes_on]
-        return np.minimum(distances, reach).reshape(shape)
+            crosses_x = next_x <= next_y
+            distances[rays] = np.minimum(next_x, next_y)
+            places = places + np.where(crosses_x, step_x, step_y)
+            # Indices are several times faster than a mask, which is searched in each use.
+            left = self._is_open[places].nonzero()[0]
+            rays, places, crosses_x = rays[left], places[left], crosses_x[left]
+            next_x, apart_x, step_x = next_x[left], apart_x[left], step_x[left]
+            next_y, apart_y, step_y = next_y[left], apart_y[left], step_y[left]
+            next_x = np.where(crosses_x, next_x + apart_x, next_x)
+            next_y = np.where(crosses_x, next_y, next_y + apart_y)
+        return np.minimum(distances, reach).reshape(angles.shape)
