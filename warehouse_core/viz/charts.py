@@ -12,9 +12,12 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
+from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import IdentityTransform
 
 from warehouse_core.render.palette import (
     BATTERY,
@@ -27,7 +30,7 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.axes.look import SMALLEST
-from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.viz.figure import LineOfText, SceneFigure
 from warehouse_core.viz.tracks.series import Series, SeriesKind, series_of
 from warehouse_core.viz.tracks.track import Track
 
@@ -106,12 +109,10 @@ class Chart:
             axes.plot([], [], color=color_named(each.color), **style)[0]
             for each, (_, style) in zip(series, looks, strict=True)
         ]
-        self._veil = Rectangle((0, -1e9), 2 * end + 1, 2e9, facecolor=PAPER, alpha=VEIL, zorder=3)
-        self._cursor = axes.axvline(0, color=INK, linewidth=0.8, zorder=4)
+        self._curtain = Curtain(zorder=3)
         for line in self._lines:
             figure.add_mover(line)
-        figure.add_movers(axes, self._veil)
-        figure.add_mover(self._cursor)
+        figure.add_movers(axes, self._curtain)
         self.read(series)
 
     def read(self, series: Sequence[Series]) -> None:
@@ -122,9 +123,41 @@ class Chart:
 
     def show(self, time: float) -> None:
         """Make the part after a time pale."""
-        if time != self._veil.get_x():
-            self._veil.set_x(time)
-            self._cursor.set_xdata([time, time])
+        self._curtain.show(time)
+
+
+class Curtain(Artist):
+    """A pale layer over the part of a chart after a time, and a line at the time."""
+
+    def __init__(self, *, zorder: float) -> None:
+        super().__init__()
+        self.set_zorder(zorder)
+        self._time, self._column = 0.0, -1
+
+    def show(self, time: float) -> None:
+        """Move to a time. Nothing is drawn again while the line is in the same column of pixels."""
+        assert self.axes is not None, "a curtain is in axes"
+        column = round(self.axes.transData.transform((time, 0))[0])
+        self._time, before, self._column = time, self._column, column
+        self.stale = self.stale or column != before
+
+    def draw(self, renderer: Any) -> None:
+        """Draw the layer and the line."""
+        assert self.axes is not None, "a curtain is in axes"
+        box, to_pixels = self.axes.bbox, IdentityTransform()
+        x = self.axes.transData.transform((self._time, 0))[0]
+        style = renderer.new_gc()
+        style.set_clip_rectangle(box)
+        style.set_linewidth(0)
+        style.set_alpha(VEIL)
+        veil = Path([(x, box.y0), (box.x1, box.y0), (box.x1, box.y1), (x, box.y1), (x, box.y0)])
+        renderer.draw_path(style, veil, to_pixels, PAPER)
+        style.set_alpha(1.0)
+        style.set_foreground(INK)
+        style.set_linewidth(0.8)
+        renderer.draw_path(style, Path([(x, box.y0), (x, box.y1)]), to_pixels)
+        style.restore()
+        self.stale = False
 
 
 def in_time(steps: float) -> str:
@@ -158,12 +191,16 @@ class BatteryBar:
         self._paper = Rectangle((0, 0.2), 1, 0.6, linewidth=0.8, edgecolor=INK, facecolor=PAPER)
         self._bar = Rectangle((0, 0.2), 1, 0.6, linewidth=0)
         figure.add_movers(axes, self._paper, self._bar)
-        self._text = axes.text(1.06, 0.47, "", va="center", fontsize=8.5, color=INK)
-        figure.add_mover(self._text)
+        self._text = LineOfText(1.06, 0.47, va="center", fontsize=8.5, color=INK, parse_math=False)
+        figure.add_movers(axes, self._text)
+        self._level: float | None = None
 
     def show(self, track: Track, frame: int) -> None:
         """Draw the level of ``frame``."""
         level = track.metrics["battery"][track.step_at(frame)]
+        if level == self._level:
+            return
+        self._level = level
         known = not math.isnan(level)
         share = min(1.0, max(0.0, level / track.full_battery)) if known else 0.0
         low = known and share < WARNING_SHARE

@@ -3,14 +3,17 @@
 Walls, axes and legend never change. They are drawn once into a background, and each frame is the
 background with the moving artists on top, both in a window and in an exported file. The moving
 artists are redrawn only in those parts of the figure that have changed. A part is the area of some
-axes, or one text of the figure.
+axes, or one text of the figure. Within a part, the movers below the first one that has changed
+are drawn only once, into a layer.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -18,14 +21,21 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import DrawEvent
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from PIL import Image
+from matplotlib.font_manager import FontProperties, findfont
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+from PIL import Image, ImageDraw, ImageFont
 
 from warehouse_core.viz.axes.look import POINTS
 from warehouse_core.viz.export.gif_writer import ColorValues
 
 DPI = 100
 """Pixels in an inch."""
+
+INSET = 2
+"""Pixels before and after a line of text, into which its letters may reach."""
 
 AROUND_AXES, AROUND_TEXT = 8.0, 3.0
 """Margins in points around axes and around a text, into which their movers may draw."""
@@ -34,13 +44,16 @@ Part = tuple[float, ...] | Artist
 PixelBox = tuple[int, int, int, int]
 """Top, bottom, left and right, in pixels."""
 
+Layer = tuple[PixelBox, int, ColorValues]
+"""A box, the number of movers of its part that are drawn in it, and its pixels."""
+
 
 class SceneFigure(Figure):
     """A ``Figure`` with movers: artists that are drawn last and do not make it stale.
 
     Attributes:
         replay: replay that plays the figure, if there is one.
-        changed: box around everything that changed when the figure was last drawn.
+        changed: boxes around the parts that changed when the figure was last drawn.
     """
 
     def __init__(self, *args: Any, **options: Any) -> None:
@@ -50,7 +63,8 @@ class SceneFigure(Figure):
         self._shown = self._background
         self._background_size: tuple[float, float, float] | None = None
         self._boxes: dict[Part, PixelBox] = {}
-        self.changed: PixelBox = (0, 0, 0, 0)
+        self._layers: dict[Part, Layer] = {}
+        self.changed: list[PixelBox] = []
         self.replay: object = None
 
     def add_mover(self, artist: Artist) -> None:
@@ -64,6 +78,15 @@ class SceneFigure(Figure):
         for artist in artists:
             axes.add_artist(artist)
             self.add_mover(artist)
+
+    def add_text(self, left: float, top: float, **style: Any) -> Text:
+        """Add a text that changes from frame to frame, at a position from 0, 0 to 1, 1."""
+        text = LineOfText(left, top, parse_math=False, **style)
+        text.set_figure(self)
+        text.set_transform(self.transFigure)
+        self.texts.append(text)
+        self.add_mover(text)
+        return text
 
     def draw(self, renderer: Any) -> None:
         """Draw the movers over the background, which is redrawn only if it has changed."""
@@ -87,14 +110,14 @@ class SceneFigure(Figure):
             with self.canvas.callbacks.blocked(signal="draw_event"):
                 self._draw_still(renderer, with_movers=False)
             self._background, self._shown = canvas.copy(), canvas.copy()
-            self._boxes = {}
+            self._boxes, self._layers = {}, {}
             self._background_size = size
             height, width, _ = canvas.shape
             boxes.append((0, height, 0, width))
         for part, movers in self._parts().items():
             if is_new or any(mover.stale for mover in movers):
                 boxes.append(self._draw_part(renderer, canvas, part, movers))
-        self.changed = around(boxes) if boxes else (0, 0, 0, 0)
+        self.changed = boxes
 
     def _parts(self) -> dict[Part, list[Artist]]:
         """Return the movers of each part. Axes in the same place are a single part."""
@@ -111,8 +134,15 @@ class SceneFigure(Figure):
         now = self._box_of(movers[0], renderer)
         box = around([now, self._boxes.get(part, now)])
         area = slice(*box[:2]), slice(*box[2:])
-        canvas[area] = self._background[area]
-        for mover in movers:
+        still = next((number for number, mover in enumerate(movers) if mover.stale), 0)
+        layer = self._layers.get(part)
+        if layer is None or layer[:2] != (box, still):
+            canvas[area] = self._background[area]
+            for mover in movers[:still]:
+                mover.draw(renderer)
+            self._layers[part] = layer = box, still, canvas[area].copy()
+        canvas[area] = layer[2]
+        for mover in movers[still:]:
             mover.draw(renderer)
             mover.stale = False
         self._boxes[part] = now
@@ -161,6 +191,67 @@ def around(boxes: Iterable[PixelBox]) -> PixelBox:
     """Return the smallest box that contains all of the boxes."""
     tops, bottoms, lefts, rights = zip(*boxes, strict=True)
     return min(tops), max(bottoms), min(lefts), max(rights)
+
+
+class LineOfText(Text):
+    """A line of text that Pillow draws into pixels, several times faster than matplotlib.
+
+    Matplotlib draws several lines, letters outside ASCII, and everything that is not pixels.
+    """
+
+    def draw(self, renderer: Any) -> None:
+        """Draw the text."""
+        if not self._is_quick(renderer):
+            super().draw(renderer)
+            return
+        font, left, top, (width, height) = self._placed(renderer)
+        mask = Image.new("L", (width, height))
+        ImageDraw.Draw(mask).text((INSET, font.above), self.get_text(), 255, font.pillow)
+        canvas = np.asarray(renderer.buffer_rgba())
+        area = canvas[max(top, 0) : max(top + height, 0), max(left, 0) : max(left + width, 0), :3]
+        share = np.asarray(mask)[max(-top, 0) :, max(-left, 0) :][: len(area), : area.shape[1]]
+        color = 255 * np.array(to_rgb(self.get_color()), np.float32)
+        area[:] = np.rint(area + (color - area) * (share[..., None] / np.float32(255)))
+        self.stale = False
+
+    def get_window_extent(self, renderer: Any = None, dpi: float | None = None) -> Bbox:
+        """Return the box around the text, in pixels from the bottom left corner."""
+        if dpi is not None or not self._is_quick(renderer):
+            return super().get_window_extent(renderer, dpi)
+        _, left, top, (width, height) = self._placed(renderer)
+        return Bbox.from_bounds(left, renderer.height - top - height, width, height)
+
+    def _is_quick(self, renderer: Any) -> bool:
+        words, is_raster = self.get_text(), isinstance(renderer, RendererAgg)
+        return is_raster and words.isascii() and words.isprintable() and words != ""
+
+    def _placed(self, renderer: Any) -> tuple[LineFont, int, int, tuple[int, int]]:
+        """Return the font, and the left, the top and the size of the text in pixels."""
+        font = font_of(self.get_fontweight(), renderer.points_to_pixels(self.get_fontsize()))
+        length = font.pillow.getlength(self.get_text())
+        x, y = self.get_transform().transform(self.get_position())
+        before = {"left": 0.0, "center": 0.5, "right": 1.0}[self.get_horizontalalignment()]
+        above = {"center": 0.5, "top": 0.0}[self.get_verticalalignment()]
+        left = round(x - before * length) - INSET
+        top = round(renderer.height - y - above * font.height)
+        return font, left, top, (math.ceil(length) + 2 * INSET, font.height)
+
+
+class LineFont(NamedTuple):
+    """A font of Pillow, and the space above and the height of its lines in pixels."""
+
+    pillow: ImageFont.FreeTypeFont
+    above: int
+    height: int
+
+
+@cache
+def font_of(weight: str | int, pixels: float) -> LineFont:
+    """Return the font of matplotlib with a weight and a size."""
+    path = findfont(FontProperties(weight=weight))
+    font = ImageFont.truetype(path, pixels, layout_engine=ImageFont.Layout.BASIC)
+    _, above, _, below = font.getbbox("lp")
+    return LineFont(font, -math.floor(above), math.ceil(below - above))
 
 
 def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:

@@ -112,9 +112,7 @@ class SheetFigure:
         """Return a new text, still empty, at a position of the sheet."""
         width, height = self.sheet.size
         style = {"color": INK, "va": "center"} | style
-        text = self.figure.text(left / width, 1 - top / height, "", parse_math=False, **style)
-        self.figure.add_mover(text)
-        return text
+        return self.figure.add_text(left / width, 1 - top / height, **style)
 
 
 class Panel:

@@ -377,7 +377,7 @@ def test_a_gif_that_goes_back_to_known_colors_shows_them_again() -> None:
     writer = GifWriter(file, 100)
     shades = [np.full((2, 2, 4), shade, np.uint8) for shade in (0, 255, 0, 255)]
     for shade in shades:
-        writer.add(shade, (0, 2, 0, 2))
+        writer.add(shade, [(0, 2, 0, 2)])
     writer.finish()
     with Image.open(file) as gif:
         shown = [frame.convert("L").getpixel((0, 0)) for frame in ImageSequence.Iterator(gif)]

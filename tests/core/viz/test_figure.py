@@ -157,3 +157,37 @@ def test_a_figure_without_pixels_raises() -> None:
     FigureCanvasSVG(figure)
     with pytest.raises(TypeError, match="FigureCanvasSVG has no pixels"):
         figure.pixels()
+
+
+def test_frames_with_charts_equal_new_drawings() -> None:
+    replay = replay_of(short_episode())
+    for frame in (0, 3, 1, 5, 5):
+        replay.go_to(frame)
+        new = replay_of(short_episode())
+        new.go_to(frame)
+        assert np.array_equal(pixels(replay), pixels(new)), f"frame {frame}"
+
+
+@pytest.mark.parametrize("size", [9, 18])
+@pytest.mark.parametrize("style", [{}, {"ha": "right"}, {"ha": "center", "fontweight": "bold"}])
+def test_a_line_of_text_is_where_matplotlib_would_write_it(size: int, style: dict) -> None:
+    figures = [SceneFigure(figsize=(4, 1)) for _ in range(2)]
+    for figure in figures:
+        FigureCanvasAgg(figure)
+    style = {"va": "center", "fontsize": size, "color": "black", **style}
+    figures[0].add_text(0.5, 0.5, text="step 9 of 12", **style)
+    figures[1].add_mover(figures[1].text(0.5, 0.5, "step 9 of 12", **style))
+    inked = [np.argwhere(figure.rgba()[..., 0] < 128) for figure in figures]
+    for edge in (np.min, np.max):
+        ours, theirs = (edge(each, axis=0) for each in inked)
+        assert abs(ours - theirs).max() <= 2
+    assert len(inked[0]) == pytest.approx(len(inked[1]), rel=0.25)
+
+
+def test_a_line_of_text_is_cut_off_at_the_edges() -> None:
+    whole, cut = (SceneFigure(figsize=(2, 1)) for _ in range(2))
+    for figure, left, top in ((whole, 0.5, 0.5), (cut, 0.0, 1.0)):
+        FigureCanvasAgg(figure)
+        figure.add_text(left, top, text="MMMM", ha="center", va="center", fontsize=30)
+    quarter = whole.rgba()[50:, 100:][: 50 - 1, : 100 - 1]
+    assert np.array_equal(cut.rgba()[: 50 - 1, : 100 - 1], quarter)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import IO
 
@@ -36,11 +37,11 @@ class GifWriter:
         self._last: NDArray[np.uint32] | None = None
         self._pending: tuple[Image.Image, tuple[int, int]] | None = None
 
-    def add(self, frame: ColorValues, changed: tuple[int, int, int, int]) -> None:
+    def add(self, frame: ColorValues, changed: Sequence[tuple[int, int, int, int]]) -> None:
         """Add a frame, ``[height, width, 4]``.
 
-        It may differ from the previous frame only within the box ``changed``, given by its top,
-        bottom, left and right.
+        It may differ from the previous frame only within the boxes ``changed``, given by their
+        top, bottom, left and right.
         """
         colors = frame.view("<u4")[..., 0]
         if self._last is None:
@@ -50,16 +51,16 @@ class GifWriter:
             header, _ = GifImagePlugin.getheader(image, info={"loop": 0})
             self._file.write(b"".join(header))
         else:
-            top, bottom, left, right = changed
-            differs = colors[top:bottom, left:right] != self._last[top:bottom, left:right]
-            rows, columns = _extent(differs.any(axis=1)), _extent(differs.any(axis=0))
-            differs = differs[rows, columns]
-            top, left = top + rows.start, left + columns.start
-            height, width = differs.shape
-            box = slice(top, top + height), slice(left, left + width)
-            self._last[box] = colors[box]
-            indices = np.full(differs.shape, self._unchanged, np.uint8)
-            indices[differs] = self._indices_of(colors[box][differs])
+            parts = [self._part(colors, *box) for box in changed or [(0, 1, 0, 1)]]
+            top = min(rows.start for rows, _, _ in parts)
+            left = min(columns.start for _, columns, _ in parts)
+            height = max(rows.stop for rows, _, _ in parts) - top
+            width = max(columns.stop for _, columns, _ in parts) - left
+            indices = np.full((height, width), self._unchanged, np.uint8)
+            for rows, columns, piece in parts:
+                area = indices[rows.start - top :, columns.start - left :]
+                area = area[: len(piece), : piece.shape[1]]
+                area[:] = np.where(piece == self._unchanged, area, piece)
             image = Image.fromarray(indices)
         self._write(self._frame_ms)
         self._pending = image, (left, top)
@@ -68,6 +69,24 @@ class GifWriter:
         """Write the last frame and the end of the file."""
         self._write(LAST_FRAME_MS)
         self._file.write(b";")
+
+    def _part(
+        self, colors: NDArray[np.uint32], top: int, bottom: int, left: int, right: int
+    ) -> tuple[slice, slice, ColorValues]:
+        """Return the rows and columns of a box that have changed, and the indices of its colours.
+
+        The last frame takes over the colours, so that the next box may overlap this one.
+        """
+        assert self._last is not None, "this is not the first frame"
+        differs = colors[top:bottom, left:right] != self._last[top:bottom, left:right]
+        rows, columns = _extent(differs.any(axis=1)), _extent(differs.any(axis=0))
+        differs = differs[rows, columns]  # empty if the box is
+        top, left = top + rows.start, left + columns.start
+        rows, columns = slice(top, top + len(differs)), slice(left, left + differs.shape[1])
+        indices = np.full(differs.shape, self._unchanged, np.uint8)
+        indices[differs] = self._indices_of(colors[rows, columns][differs])
+        self._last[rows, columns] = colors[rows, columns]
+        return rows, columns, indices
 
     def _indices_of(self, colors: NDArray[np.uint32]) -> ColorValues:
         """Return the indices of colours in the palette. Each colour is looked up only once."""
