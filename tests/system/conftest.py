@@ -78,6 +78,14 @@ def opened(browser: Any) -> Iterator[Callable[..., Shown]]:
         yield open_file
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keep the tests of the site together, so that only one of several processes builds it."""
+    for item in items:
+        is_of_the_site = "site" in getattr(item, "fixturenames", ())
+        if is_of_the_site and config.pluginmanager.hasplugin("xdist"):
+            item.add_marker(pytest.mark.xdist_group("site"))
+
+
 @pytest.fixture(scope="session")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build the site of the handbook and return its folder."""
