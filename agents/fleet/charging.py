@@ -1,8 +1,10 @@
 """Charging schedule: which robot charges at which charger, and when.
 
-Each charger has one robot that charges there or is on its way, until its turn ends. At most one
-more robot is next, and waits some cells away so that it does not block the robot that leaves.
-Robots that are pushed across a charger do not charge there, and no robot waits for them.
+Each charger has one robot that charges there or is on its way. At most one more robot is next, and
+waits some cells away so that it does not block the robot that leaves. Robots on their way that are
+still far away get turns anew in each step, so that a charger does not wait for a blocked robot.
+Robots without a turn that are pushed across a charger do not charge there, and no robot waits for
+them.
 """
 
 from __future__ import annotations
@@ -57,7 +59,12 @@ HALF = 0.5
 """Share of a full battery above which a robot leaves its charger to a robot in need."""
 
 QUEUE_DISTANCE = 3
-"""Distance from its charger, in cells, at which the next robot waits."""
+"""Distance from its charger, in cells, at which the next robot waits.
+
+Only robots within this distance keep their turns. With permanent turns, chargers stood unused in
+congested aisles: 175 and not 81 robots ran out of battery on 29 random floors with people, and 17%
+fewer orders were delivered.
+"""
 
 INTO_CHARGER = 25.0
 """Extra cost of a move into a charger, where a robot may charge for a long time.
@@ -176,14 +183,13 @@ class Chargers:
         return result
 
     def update(self, needs: Needs) -> None:
-        """End the turns of robots that have charged, and give turns to others."""
+        """End the turns of robots that have charged or are far away, and give turns."""
         if not len(self.cells):
             return
         empty = needs.battery <= 0
         is_blocked = self._are_there(needs.cells[empty])
-        # A failed robot may cut a charger off.
-        is_cut_off = ~np.isfinite(self._distances[self.turn, needs.cells])
-        over = (needs.battery >= self._full) | empty | is_blocked[self.turn] | is_cut_off
+        is_far = self._distances[self.turn, needs.cells] > QUEUE_DISTANCE
+        over = (needs.battery >= self._full) | empty | is_blocked[self.turn] | is_far
         self.turn[over] = NONE
         self._give_way(needs)
         holder = self._choose_first(needs.cells)
@@ -249,14 +255,15 @@ class Chargers:
     def _choose_first(self, cells: Integers) -> NDArray[np.intp]:
         """Return the robot whose turn it is at each charger, ``[C]``, or ``NONE``.
 
-        This robot stays the same until its turn ends. Then the nearest robot of the others follows.
+        This is the robot that charges there, or else the nearest robot with a turn.
         """
         robots = np.flatnonzero(self.turn != NONE)
         chargers, first = self.turn[robots], self._first
         has_ended = (first != NONE) & (self.turn[first] != np.arange(len(first)))
-        there = has_ended & (cells[first] == self.cells)
-        self._leaves[there] = first[there]
-        first[has_ended] = NONE
+        is_there = cells[first] == self.cells
+        leaves = has_ended & is_there
+        self._leaves[leaves] = first[leaves]
+        first[has_ended | ~is_there] = NONE
         by_distance = np.argsort(-self._distances[chargers, cells[robots]], kind="stable")
         by_distance = by_distance[first[chargers[by_distance]] == NONE]
         first[chargers[by_distance]] = robots[by_distance]

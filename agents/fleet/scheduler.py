@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.fleet.charging import Chargers, Needs
+from agents.fleet.charging import QUEUE_DISTANCE, Chargers, Needs
 from agents.fleet.detours import Detours
 from agents.fleet.escapes import Escapes
 from agents.fleet.travel import TravelTimes
@@ -23,8 +23,11 @@ from warehouse_core.world.distances import nearest
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers
 
-IDLE, BETWEEN = 0.9, 0.5
-"""Battery shares below which a robot goes to an unused charger: while idle, or between orders."""
+IDLE, BETWEEN, NEAR = 0.9, 0.5, 0.6
+"""Battery shares below which a robot goes to an unused charger.
+
+They apply to idle robots, to robots between orders, and to robots near a charger.
+"""
 
 MAX_PAIRS, LARGE_EVERY = 40_000, 10
 """Number of pairs of a robot and an order up to which every step reassigns the orders.
@@ -176,6 +179,8 @@ class Scheduler:
         times = self._times.between(robots.cells[carrying], goals) + self.chargers.home[goals]
         may_go[carrying] = ~self.chargers.lasts(robots.battery[carrying], times)
         shares = np.where(robots.goals == NONE, np.where(self._is_idle, IDLE, BETWEEN), 0.0)
+        is_near = self.chargers.home[robots.cells] <= QUEUE_DISTANCE
+        shares = np.where(is_near, np.maximum(shares, NEAR), shares)
         battery = np.where(robots.ended, 0.0, robots.battery)
         self.chargers.update(Needs(robots.cells, battery, may_go, shares * self._capacity))
 

@@ -147,22 +147,22 @@ def test_paths_avoid_chargers_where_possible() -> None:
     assert Graph(layout, doubled).distances(2)[0] == 8
 
 
-def test_a_turn_is_kept_until_it_is_used_or_given_up_to_a_robot_in_need() -> None:
-    one = Layout(["C" + "." * 29])
-    chargers = chargers_of(2, one)
+def test_only_a_robot_near_its_charger_keeps_its_turn() -> None:
+    chargers = chargers_of(2, Layout(["C" + "." * 29]))
     chargers.update(needs([20, 2], [45, 100]))
     assert chargers.turn.tolist() == [0, NONE]
     chargers.update(needs([19, 2], [44, 20]))
-    assert chargers.turn.tolist() == [0, 0]
-    assert chargers.goals(np.array([19, 2])).tolist() == [0, 2]
-    pushed = np.array(
-        [QUEUE_DISTANCE, 0]
-    )  # the other robot is on the charger, but does not charge there
-    chargers.update(needs(pushed.tolist(), [30, 19]))
-    assert chargers.goals(pushed).tolist() == [0, 0]
-    assert chargers.charging(pushed).tolist() == [False, False]
+    assert chargers.turn.tolist() == [NONE, 0]
+    cells = np.array([QUEUE_DISTANCE, 2])
+    chargers.update(needs(cells.tolist(), [10, 20]))
+    assert chargers.goals(cells).tolist() == [QUEUE_DISTANCE, 0]
+    cells = np.array([1, 2])  # whoever is nearer comes first
+    chargers.update(needs(cells.tolist(), [8, 18]))
+    assert chargers.goals(cells).tolist() == [0, 2]
+    assert chargers.charging(cells).tolist() == [False, False]
     for battery, turn in (95, 0), (105, NONE):
         chargers.update(needs([0, QUEUE_DISTANCE], [battery, 2 * QUEUE_DISTANCE + 4]))
+        assert chargers.charging(np.array([0, QUEUE_DISTANCE])).tolist() == [turn == 0, False]
         assert chargers.turn.tolist() == [turn, 0]
 
 
