@@ -2,12 +2,13 @@
 
 from typing import Any
 
+from agents.lab.console.table import TextTable
 from agents.lab.experiments.case import make_case
 from agents.lab.parameters import shown
 from agents.lab.reports.answers import Answer
-from agents.lab.reports.examples import Example, FoundEpisode
+from agents.lab.reports.examples import Example
 from agents.lab.reports.figures import Picture
-from agents.lab.reports.page import Page, Table
+from agents.lab.reports.page import Page
 from helpers.pictures import named
 from warehouse_core.viz.tracks import track_of_record
 
@@ -58,9 +59,9 @@ SVG = (
 )
 
 
-def found(mode: str = "oscillation", **changes: Any) -> FoundEpisode:
+def found(mode: str = "oscillation", **changes: Any) -> Example:
     """Return an example of a failure mode."""
-    return FoundEpisode(
+    return Example(
         **{  # type: ignore[arg-type]
             "mode": mode,
             "case": make_case({"escape": False, "battery": 60}),
@@ -85,13 +86,13 @@ def a_page(**changes: Any) -> Page:
         "pictures": (Picture("success", "A caption", SVG),),
         "settings": (("escape", "on, off"), ("memory", "5")),
         "tables": (
-            Table(
+            TextTable(
                 ("agent", "steps"),
-                (("greedy", "12.5"), ("mine", shown(None)), ("other", "7")),
-                "A note",
+                [("greedy", "12.5"), ("mine", shown(None)), ("other", "7")],
+                caption="A note",
             ),
         ),
-        "examples": (Example(found(), "swung to and fro", track_of_record(named("A robot"))),),
+        "examples": (found(sentence="swung to and fro", track=track_of_record(named("A robot"))),),
         "made_with": (("warehouse-lab", "1.2.3"),),
     }
     return Page(**parts | changes)
@@ -107,10 +108,10 @@ def a_page_of(name: str, svg: bytes = SVG) -> Page:
         answers=(Answer(name, name, (name, name)),),
         pictures=(Picture(name, name, svg),),
         settings=((name, name),),
-        tables=(Table((name, name), ((name, name),), name),),
+        tables=(TextTable((name, name), [(name, name)], caption=name),),
         examples=(
-            Example(found(name, case=case), name, track_of_record(named(name))),
-            Example(found(name, case=case), name),
+            found(name, case=case, sentence=name, track=track_of_record(named(name))),
+            found(name, case=case, sentence=name),
         ),
         made_with=((name, name),),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from agents.errors import AgentError, EpisodeError, reason_of
 from agents.lab.experiments.case import Case, cause_of, cells_of, check_fingerprint, run_one
@@ -42,33 +42,25 @@ CLEAR_ERRORS = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
 """Errors whose message is enough; for other errors the class and the place are shown too."""
 
 
-@dataclass(frozen=True, slots=True)
-class FoundEpisode:
-    """An episode in the results, which is one of ``episodes`` episodes with the same outcome."""
+class Example(NamedTuple):
+    """An episode in the results, which is one of ``episodes`` episodes with the same outcome.
+
+    Attributes:
+        sentence: Evidence for its outcome, or the reason why there is no track; "" before it has
+            been run again.
+        track: Track of the replay, if there is one.
+    """
 
     mode: str
     case: Case
     seed: int
     steps: int
     episodes: int
-
-
-@dataclass(frozen=True, slots=True)
-class Example:
-    """A replayed episode.
-
-    Attributes:
-        found: The episode in the results.
-        sentence: Evidence for its outcome, or the reason why there is no track.
-        track: Track of the replay, if there is one.
-    """
-
-    found: FoundEpisode
-    sentence: str
+    sentence: str = ""
     track: Track | None = None
 
 
-def find_examples(store: Store) -> list[FoundEpisode]:
+def find_examples(store: Store) -> list[Example]:
     """Return the shortest episode with each outcome that occurs, in the order of ``MODES``.
 
     Among episodes of equal length, the first case and then the smallest seed is chosen.
@@ -76,23 +68,24 @@ def find_examples(store: Store) -> list[FoundEpisode]:
     store.check_rows()
     cases = store.cases()
     found = {
-        mode: FoundEpisode(mode, cases[case_id], seed, steps, episodes)
+        mode: Example(mode, cases[case_id], seed, steps, episodes)
         for mode, case_id, steps, episodes, seed in store.query(SHORTEST)
     }
     return [found[mode] for mode in MODES if mode in found]
 
 
-def replay(found: FoundEpisode, *, run_own_code: bool) -> Example:
-    """Run an episode again and return its replay, or the reason why there is none.
+def replay(found: Example, *, run_own_code: bool) -> Example:
+    """Run an episode again, and return it with its replay or the reason why there is none.
 
     Agents and libraries may have changed since the results were written. Whatever a user's agent
     raises becomes the reason. Users' agents run only with ``run_own_code``, because the results
     name them and may come from a stranger.
     """
     if is_own_code(found.case["agent"]) and not run_own_code:
-        return Example(found, "Its agent is not part of this program. Run its code with --replays.")
+        reason = "Its agent is not part of this program. Run its code with --replays."
+        return found._replace(sentence=reason)
     if (why := _too_much(found)) is not None:
-        return Example(found, f"It is not run again: {why}.")
+        return found._replace(sentence=f"It is not run again: {why}.")
     # It may now take longer than in the results.
     case = {**found.case, "max_steps": min(found.case["max_steps"], found.steps + 1)}
     try:
@@ -103,7 +96,7 @@ def replay(found: FoundEpisode, *, run_own_code: bool) -> Example:
         is_clear = isinstance(cause, CLEAR_ERRORS)
         words = str(cause) if is_clear else reason_of(cause, agent_file(found.case["agent"]))
         why = " ".join(words.split()).rstrip(".")
-        return Example(found, f"It cannot be run again: {why}.")
+        return found._replace(sentence=f"It cannot be run again: {why}.")
     diagnosis = diagnose(episode)
     if (diagnosis.mode, episode.steps) != (found.mode, found.steps):
         now = f"{diagnosis.mode} after {episode.steps} steps"
@@ -114,11 +107,11 @@ def replay(found: FoundEpisode, *, run_own_code: bool) -> Example:
             f"{found.mode} after {found.steps} steps. The agent or a library has changed since the "
             "results were written."
         )
-        return Example(found, sentence)
-    return Example(found, diagnosis.sentence, track_of_record(episode))
+        return found._replace(sentence=sentence)
+    return found._replace(sentence=diagnosis.sentence, track=track_of_record(episode))
 
 
-def _too_much(found: FoundEpisode) -> str | None:
+def _too_much(found: Example) -> str | None:
     """Return why an episode is too large to be run again, or ``None`` if it is small enough.
 
     The numbers of the results are not trusted, because the file may come from a stranger.

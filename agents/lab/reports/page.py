@@ -19,6 +19,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from agents.errors import StoreError
+from agents.lab.console.table import TextTable
 from agents.lab.experiments.case import flags_of
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import shown
@@ -52,15 +53,6 @@ MADE_WITH = ("warehouse-lab", "numpy", "matplotlib")
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
-    """A table: the names of its columns, its rows, and a note below it, which may be empty."""
-
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    note: str
-
-
-@dataclass(frozen=True, slots=True)
 class Page:
     """The contents of the page.
 
@@ -82,7 +74,7 @@ class Page:
     answers: tuple[Answer, ...]
     pictures: tuple[Picture, ...]
     settings: tuple[tuple[str, str], ...]
-    tables: tuple[Table, ...]
+    tables: tuple[TextTable, ...]
     examples: tuple[Example, ...]
     made_with: tuple[tuple[str, str], ...]
 
@@ -138,7 +130,7 @@ def _settings(design: Design) -> Iterator[tuple[str, str]]:
         yield name, shown(value)
 
 
-def _table(experiment: Experiment) -> Table:
+def _table(experiment: Experiment) -> TextTable:
     """Return a table with a row for each case: its settings, number of episodes and results."""
     design = experiment.design
     chosen = list(design.labels)[:MAX_CASES]
@@ -154,7 +146,7 @@ def _table(experiment: Experiment) -> Table:
         if any(found.has(each) for found in results.values())
     ]
     names = [factor.name for factor in design.factors]
-    rows = (
+    rows = [
         (
             *(shown(design.labels[case_id][name]) for name in names),
             f"{each.episodes:,}",
@@ -163,11 +155,11 @@ def _table(experiment: Experiment) -> Table:
             *(f"{each.modes.get(mode, 0):,}" for mode in modes),
         )
         for case_id, each in results.items()
-    )
+    ]
     left = len(design.labels) - len(chosen)
     note = f"The file has {counted(left, 'further combination')}." if left else ""
     columns = (measure.name.replace("_", " ") for measure in measures)
-    return Table((*names, "episodes", "seeds", *columns, *modes), tuple(rows), note)
+    return TextTable((*names, "episodes", "seeds", *columns, *modes), rows, caption=note)
 
 
 def _cell(results: Results, measure: ReportedMeasure) -> str:
@@ -225,7 +217,7 @@ def _shown(value: object) -> object:
 
 def _player(example: Example) -> Markup:
     assert example.track is not None, "the template asks for a player only if there is a track"
-    title = f"Replay of an episode that ended as {example.found.mode}: {example.sentence}"
+    title = f"Replay of an episode that ended as {example.mode}: {example.sentence}"
     return player_of(example.track, title)
 
 
@@ -238,10 +230,10 @@ def _data_uri(data: bytes, kind: str) -> str:
     return f"data:{kind};base64,{b64encode(data).decode('ascii')}"
 
 
-def _numeric(table: Table) -> list[bool]:
+def _numeric(table: TextTable) -> list[bool]:
     """Return whether the cells of each column are numbers, with or without units and intervals."""
     columns = []
-    for number in range(len(table.columns)):
+    for number in range(len(table.header)):
         cells = {row[number] for row in table.rows} - {"", shown(None)}
         columns.append(bool(cells) and all(NUMBER.fullmatch(cell) for cell in cells))
     return columns

@@ -95,7 +95,7 @@ def write_page(path: Path, table: TextTable, records: Mapping[str, FleetEpisode]
     """Write a page with the table and a replay of the records of all worlds on one clock."""
     from markupsafe import Markup
 
-    from agents.lab.reports.page import Table, write_template  # imports matplotlib
+    from agents.lab.reports.page import write_template  # imports matplotlib
     from warehouse_core.viz.player import player_frame
     from warehouse_core.viz.tracks import track_of_record
 
@@ -107,10 +107,9 @@ def write_page(path: Path, table: TextTable, records: Mapping[str, FleetEpisode]
             frame.energy = 0.0  # the chart of all worlds shows the energy
         tracks.append(track)
     title = "A fleet on the grid and on rigid bodies"
-    rows = tuple(tuple(cell.replace("\n", " ") for cell in row) for row in table.rows)
-    shown = Table(table.header, rows, table.caption)
+    rows = [tuple(cell.replace("\n", " ") for cell in row) for row in table.rows]
     replay = player_frame(tracks, title=title, speed=SPEED, height=HEIGHT)
     write_template(
         path, "backends.html", title, has_players=True,
-        summary=table.title, tables=[shown], replay=Markup(replay),
+        summary=table.title, table=table._replace(rows=rows), replay=Markup(replay),
     )  # fmt: skip

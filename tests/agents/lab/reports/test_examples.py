@@ -1,7 +1,6 @@
 """Example episodes with each outcome: their choice and their replays."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +12,7 @@ from agents.lab.experiments.case import FINGERPRINT, Case, make_case, run_task
 from agents.lab.experiments.case import run_one as run_whole
 from agents.lab.experiments.store import Store
 from agents.lab.reports import examples
-from agents.lab.reports.examples import Example, FoundEpisode, find_examples, replay
+from agents.lab.reports.examples import Example, find_examples, replay
 from warehouse_core import Episode
 
 
@@ -23,7 +22,7 @@ def store() -> Iterator[Store]:
         yield opened
 
 
-def found_in(store: Store, episodes: int = 12, **settings: object) -> list[FoundEpisode]:
+def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Example]:
     case = make_case(settings)  # type: ignore[arg-type]
     store.add(store.case_id(case), run_task(case, range(episodes)).rows)
     return find_examples(store)
@@ -36,7 +35,7 @@ def test_the_shortest_is_chosen_then_the_first_case_then_the_smallest_seed(store
     store.add(second, [row(0, "stalled", 7), row(2, "stalled", 8), row(3, "delivered", 4)])
     store.add(first, [row(2, "delivered", 5)])
     assert find_examples(store) == [
-        FoundEpisode("delivered", cases[1], 3, 4, 2), FoundEpisode("stalled", cases[0], 8, 7, 5),
+        Example("delivered", cases[1], 3, 4, 2), Example("stalled", cases[0], 8, 7, 5),
     ]  # fmt: skip
 
 
@@ -44,13 +43,13 @@ def test_a_replay_shows_every_step_and_the_outcome_unless_it_has_changed(store: 
     found = found_in(store)[0]
     example = replay(found, run_own_code=True)
     assert found.mode == "delivered"
-    assert example.found == found
+    assert example[:5] == found[:5]
     assert example.sentence.startswith(f"delivered in {found.steps} steps")
     assert example.track is not None
     assert example.track.steps == found.steps
     assert example.track.ending == "delivered"
-    longer = replay(replace(found, steps=found.steps + 1), run_own_code=True)
-    other = replay(replace(found, mode="stalled"), run_own_code=True)
+    longer = replay(found._replace(steps=found.steps + 1), run_own_code=True)
+    other = replay(found._replace(mode="stalled"), run_own_code=True)
     for changed in (longer, other):
         assert changed.track is None
         assert f"delivered after {found.steps} steps" in changed.sentence
@@ -75,10 +74,11 @@ def test_an_agent_that_is_missing_or_no_longer_works_has_no_replay(
     assert replay(found, run_own_code=True).track
     file = Path("mine.py").rename("away.py")
     missing = "the file of agent 'mine.py:Mine': No such file or directory."
-    assert replay(found, run_own_code=True) == Example(found, f"It cannot be run again: {missing}")
+    gone = found._replace(sentence=f"It cannot be run again: {missing}")
+    assert replay(found, run_own_code=True) == gone
     Path("mine.py").write_text(file.read_text().replace(old, new))
     unmarked = {name: value for name, value in found.case.items() if name != FINGERPRINT}
-    example = replay(replace(found, case=unmarked), run_own_code=True)
+    example = replay(found._replace(case=unmarked), run_own_code=True)
     assert example.track is None
     assert example.sentence.startswith("It cannot be run again: ")
     assert said in example.sentence
@@ -109,7 +109,7 @@ def test_an_episode_that_is_too_large_is_not_run(
 ) -> None:
     case = {k: v for k, v in {**make_case({}), **change}.items() if v is not None}
     monkeypatch.delattr(examples, "run_one")
-    example = replay(FoundEpisode("stalled", case, 0, steps, 1), run_own_code=True)
+    example = replay(Example("stalled", case, 0, steps, 1), run_own_code=True)
     assert (example.sentence, example.track) == (f"It is not run again: {why}.", None)
 
 
@@ -129,7 +129,7 @@ def test_an_episode_that_takes_longer_than_in_the_results_is_stopped(
         "battery": 10**9,
         "tiles": ["####", "#PD#", "####"],
     }
-    example = replay(FoundEpisode("wandering", case, 0, 7, 1), run_own_code=True)
+    example = replay(Example("wandering", case, 0, 7, 1), run_own_code=True)
     assert "it has not ended after 7 steps, not wandering after 7" in example.sentence
     assert episodes[0].steps == 8
 
@@ -150,7 +150,7 @@ def test_a_user_agent_is_not_run(
 ) -> None:
     Path("mine.py").write_text("open('ran', 'w')\nclass Mine:\n    pass\n")
     case = {**make_case({}), "agent": "mine.py:Mine"} | fingerprint
-    example = replay(FoundEpisode("wandering", case, 0, 5, 1), run_own_code=run_own_code)
+    example = replay(Example("wandering", case, 0, 5, 1), run_own_code=run_own_code)
     assert words in example.sentence
     assert example.track is None
     assert not Path("ran").exists()

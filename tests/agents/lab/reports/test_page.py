@@ -7,9 +7,9 @@ import pytest
 from helpers.pages import HOSTILE, a_page, a_page_of, found
 from helpers.player import said_by
 
+from agents.lab.console.table import TextTable
 from agents.lab.parameters import shown
-from agents.lab.reports.examples import Example
-from agents.lab.reports.page import Table, write_page
+from agents.lab.reports.page import write_page
 from warehouse_core.viz.player.page import digest, script
 from warehouse_core.wording import printable
 
@@ -99,7 +99,7 @@ def test_an_example_has_its_outcome_its_settings_and_a_replay_or_the_reason(path
     assert "Swung to and fro." in seen.said("p")
     assert seen.said("code") == ["escape=off", "battery=60"]
     assert any(text.startswith("Seed 1234, 57 steps") for text in seen.said("p"))
-    example = Example(found(episodes=1, steps=1), "It cannot be run again: it is gone.")
+    example = found(episodes=1, steps=1, sentence="It cannot be run again: it is gone.")
     write_page(path, a_page(pictures=(), examples=(example,)))
     seen = read(path)
     assert seen.all("img") == []
@@ -110,17 +110,17 @@ def test_an_example_has_its_outcome_its_settings_and_a_replay_or_the_reason(path
 
 def test_only_columns_of_numbers_have_the_class_number(path: Path) -> None:
     columns = ("name", "mean", "share", "size", "nothing")
-    rows = (
+    rows = [
         ("a", "1,600.5", "71.2% [60.0, 80.1]", "7x12", NOTHING),
         ("2", "-3", NOTHING, "8x12", NOTHING),
-    )
-    write_page(path, a_page(tables=(Table(columns, rows, ""),)))
+    ]
+    write_page(path, a_page(tables=(TextTable(columns, rows),)))
     heads = [each.get("class") for each in read(path).all("th") if each["scope"] == "col"]
     assert heads == [None, "number", "number", None, None]
 
 
 def test_a_page_with_empty_parts_is_valid(path: Path) -> None:
-    empty = Table(("case",), (), "")
+    empty = TextTable(("case",), [])
     write_page(
         path,
         a_page(answers=(), pictures=(), settings=(), tables=(empty,), examples=(), made_with=()),

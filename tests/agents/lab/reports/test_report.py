@@ -108,7 +108,7 @@ def test_a_long_table_ends_with_the_number_of_further_combinations(
 ) -> None:
     monkeypatch.setattr(page_module, "MAX_CASES", 1)
     [short] = page_of((ON, outcomes("dddw")), (OFF, outcomes("dooo"))).tables
-    assert (len(short.rows), short.note) == (1, "The file has 1 further combination.")
+    assert (len(short.rows), short.caption) == (1, "The file has 1 further combination.")
 
 
 def test_the_summary_states_what_is_missing_and_the_settings_leave_it_out() -> None:
