@@ -100,7 +100,7 @@ MAY_IMPORT = {
     "agents/registry": "code_names errors fleet kinds learning mapf search warehouse_agent_greedy",
     "agents/lab/runs": "drive errors fleet learning registry",
     "agents/lab/console": "code_names errors lab lab/runs registry",
-    "agents/lab/trials": "errors lab/console lab/runs learning",
+    "agents/lab/trials": "errors lab/console lab/runs learning registry",
     "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/commands/planners": (
         "code_names errors fleet lab lab/console lab/trials mapf mapf/kernels registry"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import typer
 
@@ -33,46 +33,32 @@ class Comparison(NamedTuple):
         run: function that is called with the options from the command line, by name.
         options: names of its options.
         suffixes: allowed suffixes of files; if empty, the suffixes of replays are allowed.
+        once: name of an option that only other comparisons may repeat, or "".
     """
 
     run: Callable[..., None]
     options: str
     suffixes: tuple[str, ...] = ()
-
-
-def _agents(save: list[Path], backend: tuple[str, ...] = (), **given: Any) -> None:
-    if backend:
-        given["backend"] = _one("--backend", backend)
-    compare_agents(save=save[0] if save else None, **given)
-
-
-def _backends(agent: tuple[str, ...] = (), **given: Any) -> None:
-    if agent:
-        given["agent"] = _one("--agent", agent)
-    compare_backends(**given)
-
-
-def _fleets(robots: str, planner: tuple[str, ...] = (), **given: Any) -> None:
-    if not robots.isdecimal():
-        raise typer.BadParameter(f"--robots is {robots!r}; it must be one whole number")
-    if planner:
-        given["planner"] = _one("--planner", planner)
-    compare_fleets(robots=int(robots), **given)
+    once: str = ""
 
 
 COMPARISONS = {
     "agents": Comparison(
-        _agents,
+        compare_agents,
         "agent backend layout stations start episodes seed battery max_steps size density",
         PICTURES,
+        once="backend",
     ),
     "backends": Comparison(
-        _backends, "agent backend slippery layout stations start seed battery max_steps show"
+        compare_backends,
+        "agent backend slippery layout stations start seed battery max_steps show",
+        once="agent",
     ),
     FLEETS: Comparison(
-        _fleets,
+        compare_fleets,
         "robots planner order_rate count layout disturbed episodes seed jobs",
         (".html", ".csv"),
+        once="planner",
     ),
     "planners": Comparison(
         compare_planners,
@@ -282,11 +268,14 @@ def compare(
     for path in save:
         if comparison.suffixes or path.suffix.lower() == ".csv":
             check_suffix(path, comparison.suffixes or replay_suffixes())
-    if kind == "agents" and len(save) > 1:
-        raise typer.BadParameter(
-            f"'compare agents' saves one figure; --save is given {len(save)} times"
-        )
-    comparison.run(save=save, **{name: context.params[name] for name in names if name in given})
+    values = {name: context.params[name] for name in names if name in given}
+    if once := values.get(comparison.once):
+        if len(once) > 1:
+            raise typer.BadParameter(
+                f"--{comparison.once} is given {len(once)} times; here it may be given once"
+            )
+        values[comparison.once] = once[0]
+    comparison.run(save=save, **values)
 
 
 def replay_suffixes() -> tuple[str, ...]:
@@ -294,10 +283,3 @@ def replay_suffixes() -> tuple[str, ...]:
     from warehouse_core.viz.export import FORMATS  # here, because other comparisons do not need it
 
     return (*FORMATS,)
-
-
-def _one(name: str, values: tuple[str, ...] | list[str]) -> str:
-    """Return the single value of an option that only other comparisons may repeat."""
-    if len(values) > 1:
-        raise typer.BadParameter(f"{name} is given {len(values)} times; here it may be given once")
-    return values[0]

@@ -49,13 +49,17 @@ def compare_agents(
     max_steps: int = 200,
     size: list[str] | None = None,
     density: str | None = None,
-    save: Path | None = None,
+    save: Sequence[Path] = (),
 ) -> None:
     """Compare agents over the same seeds, by default ``AGENTS``.
 
     Prints tables of deliveries, steps, expanded nodes, time and energy, and saves them as a figure.
     Several sizes of random layouts share one figure.
     """
+    if len(save) > 1:
+        raise typer.BadParameter(
+            f"'compare agents' saves one figure; --save is given {len(save)} times"
+        )
     tasks = make_tasks(layout, size, density, stations, start)
     tasks = [task._replace(battery=battery, max_steps=max_steps, backend=backend) for task in tasks]
     names = {name: AGENTS.get(name, name) for name in agent or AGENTS}
@@ -70,16 +74,16 @@ def compare_agents(
     }
     measures = GRID_MEASURES if backend == "grid" else MEASURES
     # The figure first, because the reader of standard output may leave, as ``head`` does.
-    if save is not None:
+    for path in save:
         from agents.lab.trials.figure import scores_figure
 
-        save_picture(scores_figure(groups, EXPLANATION, measures), save)
+        save_picture(scores_figure(groups, EXPLANATION, measures), path)
     for title, scores in groups.items():
         for table in scores_tables(scores, title, measures):
             print_table(table)
     say(fill(EXPLANATION, get_terminal_size().columns))
-    if save is not None:
-        say(f"saved {save}")
+    for path in save:
+        say(f"saved {path}")
 
 
 def make_tasks(

@@ -31,12 +31,9 @@ from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place, with_slippery
-from agents.lab.console.watch import slow_steps_reported
-from agents.lab.runs.environment import backend_for
-from agents.lab.runs.run import run
 from agents.lab.trials.task import Task
 from agents.learning.q_learning import QAgent, QTable, learn
-from agents.registry import make_agent, on_backend
+from agents.registry import make_agent
 from warehouse_core import Agent, Episode, Layout, WarehouseEnv
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.task.starts import START
@@ -164,19 +161,15 @@ def race_of_worlds(
 def run_racer(name: str, task: Task, seed: int) -> Episode:
     """Return the record of an episode of the agent with a name."""
 
-    def act(backend: str) -> Episode:
-        with closing(task._replace(backend=backend_for(name, backend)).make_env(seed)) as env:
-            if name == LEARNER:
-                racer: Agent = practised(stations_of(task, seed), seed)
-            else:
-                racer = make_agent(name, seed, task.layout_for(seed))
-            try:
-                watch = slow_steps_reported(racer, name)
-                return run(env, racer, seed, watch, name=name, randomize=task.randomize)
-            except EpisodeInterrupted as error:
-                raise typer.Abort from error
+    def make(name: str, seed: int, layout: Layout) -> Agent:
+        if name == LEARNER:
+            return practised(stations_of(task, seed), seed)
+        return make_agent(name, seed, layout)
 
-    return on_backend(task.backend, act)
+    try:
+        return task.run(name, seed, make)
+    except EpisodeInterrupted as error:
+        raise typer.Abort from error
 
 
 def stations_of(task: Task, seed: int) -> Layout:

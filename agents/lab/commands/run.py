@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from statistics import fmean
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -15,12 +14,10 @@ from agents.lab.console import options
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place, with_slippery
-from agents.lab.console.watch import slow_steps_reported
 from agents.lab.place import Stations
-from agents.lab.runs.environment import backend_for, make_env
 from agents.lab.runs.run import draw_seed
-from agents.lab.runs.run import run as run_agent
-from agents.registry import make_agent, on_backend
+from agents.lab.trials.task import Task
+from agents.registry import make_agent
 from agents.search.agents import ExploringAgent
 from warehouse_core import (
     DEFAULT_LAYOUT,
@@ -74,46 +71,9 @@ def run_episode(
         'delivered'
     """
     seed = draw_seed() if seed is None else seed
-    case = Case(agent, backend, layout or DEFAULT_LAYOUT, battery, max_steps, view_radius)
-    return case.run(seed, start_pos, randomize)
-
-
-class Case(NamedTuple):
-    """An agent and its environment, with the arguments of ``run_episode`` as fields."""
-
-    agent: str
-    backend: str
-    layout: Layout
-    battery: int
-    max_steps: int
-    view_radius: int
-
-    def run(
-        self,
-        seed: int,
-        start_pos: Cell | None,
-        randomize: bool | str,
-        notice: Callable[[Agent], None] = lambda agent: None,
-    ) -> Episode:
-        """Run the episode of a seed; ``notice`` is called with the agent before it acts."""
-
-        def act(backend: str) -> Episode:
-            env = make_env(
-                backend_for(self.agent, backend),
-                self.layout,
-                start_pos,
-                self.max_steps,
-                self.battery,
-                self.view_radius,
-                randomize,
-            )
-            with closing(env):
-                acting = make_agent(self.agent, seed, self.layout)
-                notice(acting)
-                watch = slow_steps_reported(acting, self.agent)
-                return run_agent(env, acting, seed, watch, name=self.agent, randomize=randomize)
-
-        return on_backend(self.backend, act)
+    place = layout or DEFAULT_LAYOUT
+    task = Task(place, battery, max_steps, backend, start_pos, randomize, view_radius)
+    return task.run(agent, seed)
 
 
 def report_episode(episode: Episode, stations: Stations | None = None) -> None:
@@ -165,15 +125,19 @@ def run(
     """
     place = load_place(layout, stations, start)
     [backend] = with_slippery(slippery, place.layout, backend)
-    case = Case(agent, backend, place.layout, battery, max_steps, view_radius)
+    task = Task(
+        place.layout, battery, max_steps, backend, place.start_pos, place.randomize, view_radius
+    )
     first = draw_seed() if seed is None else seed
     beliefs = list[Belief]()
 
-    def notice(acting: Agent) -> None:
+    def make(name: str, seed: int, layout: Layout) -> Agent:
+        acting = make_agent(name, seed, layout)
         if isinstance(acting, ExploringAgent):
             from agents.search.belief_replay import noted
 
-            beliefs.append((acting, noted(acting, place.layout)))
+            beliefs.append((acting, noted(acting, layout)))
+        return acting
 
     def finish(episode: Episode, show: bool | None) -> None:
         report_episode(episode, place.stations)
@@ -182,7 +146,7 @@ def run(
 
     def run_seed(seed: int) -> Episode:
         try:
-            return case.run(seed, place.start_pos, place.randomize, notice)
+            return task.run(agent, seed, make)
         except EpisodeError as error:
             if error.episode is not None:
                 finish(error.episode, show)

@@ -27,8 +27,7 @@ from agents.lab.parameters import Whole
 from agents.lab.parameters import size as check_size
 from agents.lab.training.checkpoint import load_checkpoint, save_checkpoint
 from agents.lab.training.driving import train_drive
-from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner
-from agents.lab.training.points import save_points
+from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, save_points
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.lab.trials.task import FleetTask, Task

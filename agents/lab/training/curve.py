@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 
-from agents.lab.training.exams import ExamPoint
-from agents.lab.training.points import mean_length
+from agents.lab.training.exams import ExamPoint, mean_length
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.scores import FleetScores, Scores
 from warehouse_core.files.atomic import atomic_path

@@ -9,13 +9,15 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing, nullcontext
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
-from agents.lab.runs.environment import make_env
+from agents.lab.console.watch import slow_steps_reported
+from agents.lab.runs.environment import backend_for, make_env
 from agents.lab.runs.run import Watch, run
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
 from agents.lab.trials.rows import fleet_row, lone_row
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.learning.learner import MakeAgent
-from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv, Cell, FleetEnv, Layout
+from agents.registry import make_agent, on_backend
+from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv, Cell, Episode, FleetEnv, Layout
 from warehouse_core.batch.array_env import SAME_STEP
 from warehouse_core.fleet import FleetBatch
 from warehouse_core.fleet.env import Actions
@@ -25,6 +27,10 @@ __all__ = ["FleetTask", "Task"]
 
 MakeWatch = Callable[[object, str], Watch]
 """Function that returns a ``Watch`` of an episode, given the agent and its name."""
+
+
+MakeNamed = Callable[[str, int, Layout], Agent]
+"""Function that returns the agent with a name, given the seed and the layout of its episode."""
 
 
 @runtime_checkable
@@ -47,6 +53,7 @@ class Task(NamedTuple):
         backend: Name of the backend.
         start_pos: Start cell, see ``WarehouseEnv``.
         randomize: Option of ``WarehouseEnv.reset``.
+        view_radius: Number of cells that the robot sees in each direction.
 
     Example:
         >>> from agents import GreedyAgent
@@ -62,6 +69,7 @@ class Task(NamedTuple):
     backend: str = "grid"
     start_pos: Cell | None = None
     randomize: bool | str = True
+    view_radius: int = 2
 
     @property
     def seed_stride(self) -> int:
@@ -80,7 +88,8 @@ class Task(NamedTuple):
             self.start_pos,
             self.max_steps,
             self.battery,
-            randomize=self.randomize,
+            self.view_radius,
+            self.randomize,
         )
 
     def make_batch(self, rows: int) -> BatchEnv:
@@ -96,6 +105,28 @@ class Task(NamedTuple):
             battery=self.battery,
             autoreset_mode=SAME_STEP,
         )
+
+    def run(self, name: str, seed: int, make: MakeNamed = make_agent) -> Episode:
+        """Run the episode of a seed with the agent of a name, and print its slow steps.
+
+        Args:
+            name: name of the agent, see ``agents.registry.make_agent``.
+            seed: seed of the episode and of the agent.
+            make: function that returns the agent, given its name, the seed and the layout.
+
+        Raises:
+            EpisodeError: the agent or the backend failed.
+            EpisodeInterrupted: Ctrl-C was pressed.
+        """
+
+        def act(backend: str) -> Episode:
+            task = self._replace(backend=backend_for(name, backend))
+            with closing(task.make_env(seed)) as env:
+                agent = make(name, seed, self.layout_for(seed))
+                watch = slow_steps_reported(agent, name)
+                return run(env, agent, seed, watch, name=name, randomize=self.randomize)
+
+        return on_backend(self.backend, act)
 
     def evaluate(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from functools import partial
@@ -21,7 +22,6 @@ from agents.lab.commands.planners.floors import (
     random_problem,
     scenario_problem,
 )
-from agents.lab.commands.planners.replay import track_of_plan
 from agents.lab.commands.planners.runs import AUTO, SOLVERS, make_solver, solve_checked
 from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
@@ -29,18 +29,28 @@ from agents.lab.console.output import Film
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, say, warnings_printed
 from agents.lab.parameters import Whole, one_of
+from agents.mapf.graph import Graph
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.batch.fleet_settings import MAX_BODIES
 from warehouse_core.files.tables import write_table
 from warehouse_core.motion.backends import load_backend
+from warehouse_core.records.plans import StepPlans
+from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track, middle
 from warehouse_core.wording import counted, listed, seconds_of
 from warehouse_core.world.moves import COMPASS, HEADINGS, MOVES
+from warehouse_core.world.tables import Integers
 
 ROBOTS = 32
 PATHS = ".csv"
 
 PLANNER = f"{options.PLANNER} Arguments may follow, as in pibt:turn_cost=1. May be repeated."
 ONCE = listed(list(SOLVERS))
+SHOWN_PATHS = 3
+"""Number of robots whose paths are shown; they are the last ones to arrive."""
+
+ANGLES = (-math.pi / 2, 0.0, math.pi / 2, math.pi)
+"""Angles of robots that head north, east, south and west, in radians."""
+
 CHOICE = "--planner auto chose lacam: it proves plans of small teams optimal, and improves others."
 
 
@@ -202,3 +212,44 @@ def save_plan(path: Path, problem: Problem, found: Plan, name: str) -> None:
     )
     write_table(path, ["step", "robot", "row", "col", "heading"], lines)
     say(f"saved {path}")
+
+
+def track_of_plan(
+    graph: Graph, cells: Integers, title: str, facing: Integers | None = None
+) -> Track:
+    """Return the track of a plan, with the paths of the last robots to arrive.
+
+    Args:
+        graph: graph of the layout.
+        cells: cell of each robot after each step, ``[T + 1, R]``.
+        title: title of the track.
+        facing: heading of each robot after each step, ``[T + 1, R]``. By default robots head in
+            the direction of their last move.
+    """
+    layout, robots = graph.layout, cells.shape[1]
+    is_there = np.logical_and.accumulate((cells == cells[-1])[::-1])[::-1]
+    last = np.argsort(is_there.sum(axis=0), kind="stable")[:SHOWN_PATHS].tolist()
+    paths = {robot: layout.cells(cells[:, robot]) for robot in last}
+    headings: list[float | None] = [None] * robots
+    items, battery = (None,) * robots, (1.0,) * robots
+    frames = []
+    for step, row in enumerate(cells):
+        if facing is not None:
+            headings = [ANGLES[heading] for heading in facing[step].tolist()]
+        elif step:
+            moves = (graph.neighbours[cells[step - 1]] == row[:, None]).argmax(axis=1).tolist()
+            headings = [
+                ANGLES[move] if move < len(ANGLES) else before
+                for move, before in zip(moves, headings, strict=True)
+            ]
+        poses = tuple(
+            Pose(middle(cell), heading, loaded=False)
+            for cell, heading in zip(layout.cells(row), headings, strict=True)
+        )
+        plans = StepPlans({robot: path[step:] for robot, path in paths.items()})
+        arrived = f"{is_there[step].sum()} of {counted(robots, 'robot')} in their final cells"
+        fleet = FleetFrame((), items, battery, plans)
+        frames.append(
+            Frame(layout.rows, poses, float(step), arrived, clock=float(step), fleet=fleet)
+        )
+    return Track(frames, {}, title=title)

@@ -86,6 +86,6 @@ def test_the_figure_is_saved_even_if_the_output_is_closed(monkeypatch: pytest.Mo
     monkeypatch.setattr(compare_agents, "print_table", leave)
     with pytest.raises(BrokenPipeError):
         compare_agents.compare_agents(
-            episodes=1, backend="grid", max_steps=2, save=Path("figure.svg")
+            episodes=1, backend="grid", max_steps=2, save=[Path("figure.svg")]
         )
     assert "<svg" in Path("figure.svg").read_text(encoding="utf-8")

@@ -9,8 +9,7 @@ import pytest
 from helpers.command_line import Refused, Warehouse
 from helpers.player import page_in, said_by
 
-from agents.lab.commands.backends.fleets import parse_disturbed
-from agents.lab.commands.backends.measures import losses, table_of
+from agents.lab.commands.backends.fleets import losses, parse_disturbed, table_of
 from agents.lab.commands.backends.trial import (
     DISTURBED,
     DRIVING,

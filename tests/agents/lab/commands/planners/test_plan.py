@@ -10,7 +10,7 @@ from helpers.command_line import Refused, Warehouse, write_mine
 from helpers.mapf_validator import plan_conflict
 from helpers.player import said_by
 
-from agents.lab.commands.planners.replay import track_of_plan
+from agents.lab.commands.planners.plan import track_of_plan
 from agents.mapf.graph import Graph
 from warehouse_core import Layout
 from warehouse_core.motion.backends import load_backend
