@@ -42,32 +42,99 @@ class Answer(NamedTuple):
 
 
 class FactorValue(NamedTuple):
-    """A value of a factor with its results.
-
-    Attributes:
-        name: Name of the value, such as ``battery 20``; it may be empty.
-        case_id: Number of the case that has this value.
-        results: Results of the case.
-    """
+    """A value of a factor with its name, such as ``battery 20``, which may be empty."""
 
     name: str
-    case_id: int
     results: Results
 
     @property
-    def estimate(self) -> float:
-        """Estimate of the measure by which values are compared."""
-        return self.results.main.estimate
-
-    @property
     def short(self) -> str:
-        """The estimate in words, without its interval."""
-        return self.results.kind.measures[0].short(self.estimate)
+        """The measure by which values are compared, in words, without its interval."""
+        return self.results.kind.measures[0].short(self.results.main.estimate)
 
     @property
     def which(self) -> str:
         """The name with " with " before it, for a sentence, or "" without a name."""
         return f" with {self.name}" if self.name else ""
+
+
+class Comparison:
+    """The values of a factor in a series of cases.
+
+    Attributes:
+        where: Other settings of the series in words, to begin a sentence.
+        values: Values in their order.
+        is_trend: True if the order of the values is to be described, instead of the best value.
+        ranked: Values with the best one first, or the hardest for layouts.
+        pair: Last and first value of a trend, or else the best and the second best.
+    """
+
+    def __init__(self, experiment: Experiment, factor: Factor, series: CaseSeries) -> None:
+        others = described(series.others)
+        self.experiment, self.factor = experiment, factor
+        self.where = f"with {others}, " if others else ""
+        self.values = [
+            FactorValue(f"{factor.name} {shown(value)}", experiment.results(case_id))
+            for value, case_id in series.cases.items()
+        ]
+        self.is_trend = factor.is_ordered and len(self.values) > 2
+        self.ranked = sorted(
+            self.values,
+            key=lambda each: each.results.main.estimate,
+            reverse=factor.name != HARDEST_FIRST,
+        )
+        self.pair = self.ranked[:2]
+        if self.is_trend:
+            self.pair = [self.values[-1], self.values[0]]
+
+    @property
+    def peak(self) -> FactorValue | None:
+        """Best value if it is inside a trend and better than both ends."""
+        best, ends = self.ranked[0], (self.values[0], self.values[-1])
+        if not self.is_trend or best in ends:
+            return None
+        return best if all(self.difference(best, end).low > 0 for end in ends) else None
+
+    @property
+    def named(self) -> list[FactorValue]:
+        """Values to describe: ends and peak of a trend, or the top of a ranking."""
+        if not self.is_trend:
+            return self.ranked[:MAX_NAMED]
+        return [each for each in (self.values[0], self.peak, self.values[-1]) if each]
+
+    def difference(self, one: FactorValue, other: FactorValue) -> Interval:
+        """Return how much better a value is, compared by seed if equal seeds are equal tasks."""
+        measure, found = self.experiment.kind.measures[0], None
+        if self.factor.name not in OTHER_TASKS:
+            found = self.experiment.paired(measure, *one.results.case_ids, *other.results.case_ids)
+        return found or difference_interval(one.results.main, other.results.main)
+
+    @property
+    def verdict(self) -> str:
+        """Sentence that names the best value, or says that no difference was found."""
+        measure = self.experiment.kind.measures[0]
+        subject = measure.title.lower()
+        if peak := self.peak:
+            parts = [
+                f"{measure.change(self.difference(peak, end))} than{end.which}"
+                for end in (self.values[0], self.values[-1])
+            ]
+            verdict = f"{subject} is highest{peak.which}: {peak.short}, {' and '.join(parts)}"
+            return self.where + verdict
+        first, second = self.pair
+        found = self.difference(first, second)
+        both = f"{subject} is {first.short}{first.which} and {second.short}{second.which}"
+        if not found.is_known:
+            return f"{self.where}too few episodes to compare: {both}"
+        if found.low <= 0 <= found.high:
+            return f"{self.where}no difference was found: {both}"
+        change = measure.change(found)
+        if self.is_trend:
+            verb = "rises" if found.estimate > 0 else "falls"
+            ends = f"from {second.short}{second.which} to {first.short}{first.which}"
+            return f"{self.where}{subject} {verb} {ends}: {change}"
+        verb = "is hardest" if self.factor.name == HARDEST_FIRST else "does best"
+        return f"{self.where}{first.name} {verb}: {first.short}, {change} than{second.which}"
 
 
 def answers(experiment: Experiment) -> tuple[Answer, ...]:
@@ -77,7 +144,8 @@ def answers(experiment: Experiment) -> tuple[Answer, ...]:
         if series := experiment.design.series(factor):
             parameter = PARAMETERS.get(factor.name)
             question = parameter.question if parameter else f"What does {factor.name} change?"
-            found.append(_answer(question, _compared(experiment, factor, series)))
+            compared = [Comparison(experiment, factor, each) for each in series]
+            found.append(_answer(question, _compared(compared)))
     return tuple(found) or (_answer("What are the results?", _apart(experiment)),)
 
 
@@ -86,19 +154,15 @@ def _answer(question: str, lines: Iterable[str]) -> Answer:
     return Answer(question, verdict, tuple(sentences))
 
 
-def _compared(
-    experiment: Experiment, factor: Factor, series: Sequence[CaseSeries]
-) -> Iterator[str]:
+def _compared(series: Sequence[Comparison]) -> Iterator[str]:
     """Yield the verdict on a factor's question, and then the evidence."""
-    lines = [_line(experiment, factor, each) for each in series]
-    main = lines[0]
-    yield _where(series[0]) + verdict(experiment, factor, main)
-    named = _named(experiment, factor, main)
-    yield from _measures(named)
-    if experiment.kind is LONE and factor.name not in OTHER_TASKS:
-        yield from _where_both_deliver(experiment, *_pair(factor, main))
-    for each, line in list(zip(series, lines, strict=True))[1 : MAX_NAMED + 1]:
-        yield _where(each) + verdict(experiment, factor, line)
+    main = series[0]
+    yield main.verdict
+    yield from _measures(main.named)
+    if main.experiment.kind is LONE and main.factor.name not in OTHER_TASKS:
+        yield from _where_both_deliver(main.experiment, *main.pair)
+    for each in series[1 : MAX_NAMED + 1]:
+        yield each.verdict
     left = len(series) - 1 - MAX_NAMED
     if left > 0:
         yield f"the table has {counted(left, 'further combination')}"
@@ -107,116 +171,28 @@ def _compared(
 def _apart(experiment: Experiment) -> Iterator[str]:
     """Describe the first cases one by one, because no two cases can be compared."""
     design = experiment.design
-    line = [
-        FactorValue(design.name_of(case_id), case_id, experiment.results(case_id))
+    values = [
+        FactorValue(design.name_of(case_id), experiment.results(case_id))
         for case_id in list(design.labels)[:MAX_NAMED]
     ]
-    measure, alone = experiment.kind.measures[0], line[0].results
-    yield APART if len(line) > 1 else f"{measure.says} {measure.short(alone.main.estimate)}"
-    yield from _measures(line)
+    yield APART if len(values) > 1 else f"{experiment.kind.measures[0].says} {values[0].short}"
+    yield from _measures(values)
     left = len(design.labels) - MAX_NAMED
     if left > 0:
         yield f"{counted(left, 'further combination')} cannot be compared with these"
 
 
-def verdict(experiment: Experiment, factor: Factor, line: Sequence[FactorValue]) -> str:
-    """Return a sentence that names the best value, or says that no difference was found."""
-    measure = experiment.kind.measures[0]
-    subject = measure.title.lower()
-    if peak := _peak(experiment, factor, line):
-        parts = [
-            f"{measure.change(_difference(experiment, factor, peak, end))} than{end.which}"
-            for end in (line[0], line[-1])
-        ]
-        return f"{subject} is highest{peak.which}: {peak.short}, {' and '.join(parts)}"
-    first, second = _pair(factor, line)
-    found = _difference(experiment, factor, first, second)
-    both = f"{first.short}{first.which} and {second.short}{second.which}"
-    if not found.is_known:
-        return f"too few episodes to compare: {subject} is {both}"
-    if found.low <= 0 <= found.high:
-        return f"no difference was found: {subject} is {both}"
-    change = measure.change(found)
-    if _is_trend(factor, line):
-        verb = "rises" if found.estimate > 0 else "falls"
-        ends = f"from {second.short}{second.which} to {first.short}{first.which}"
-        return f"{subject} {verb} {ends}: {change}"
-    verb = "is hardest" if factor.name == HARDEST_FIRST else "does best"
-    return f"{first.name} {verb}: {first.short}, {change} than{second.which}"
-
-
-def _difference(
-    experiment: Experiment, factor: Factor, one: FactorValue, other: FactorValue
-) -> Interval:
-    """Return how much better one value is, compared seed by seed if equal seeds are equal tasks."""
-    measure, cases = experiment.kind.measures[0], (one.case_id, other.case_id)
-    found = None if factor.name in OTHER_TASKS else experiment.paired(measure, *cases)
-    return found or difference_interval(one.results.main, other.results.main)
-
-
-def _peak(
-    experiment: Experiment, factor: Factor, line: Sequence[FactorValue]
-) -> FactorValue | None:
-    """Return the best value if it is inside a trend and better than both ends, else ``None``."""
-    best = max(line, key=lambda each: each.estimate)
-    if not _is_trend(factor, line) or best in (line[0], line[-1]):
-        return None
-    ends = (_difference(experiment, factor, best, end) for end in (line[0], line[-1]))
-    return best if all(each.low > 0 for each in ends) else None
-
-
-def _pair(factor: Factor, line: Sequence[FactorValue]) -> tuple[FactorValue, FactorValue]:
-    """Return the last and the first value of a trend, or else the best and the second best."""
-    if _is_trend(factor, line):
-        return line[-1], line[0]
-    best, following, *_ = _ranked(factor, line)
-    return best, following
-
-
-def _is_trend(factor: Factor, line: Sequence[FactorValue]) -> bool:
-    return factor.is_ordered and len(line) > 2
-
-
-def _ranked(factor: Factor, line: Sequence[FactorValue]) -> list[FactorValue]:
-    """Return the values in order, with the best one first, or the hardest for layouts."""
-    return sorted(line, key=lambda each: each.estimate, reverse=factor.name != HARDEST_FIRST)
-
-
-def _named(
-    experiment: Experiment, factor: Factor, line: Sequence[FactorValue]
-) -> list[FactorValue]:
-    """Return the values to describe: both ends and the peak of a trend, or the top of a ranking."""
-    if not _is_trend(factor, line):
-        return _ranked(factor, line)[:MAX_NAMED]
-    peak = _peak(experiment, factor, line)
-    return [each for each in (line[0], peak, line[-1]) if each]
-
-
-def _line(experiment: Experiment, factor: Factor, series: CaseSeries) -> list[FactorValue]:
-    """Return the values of a series in their order."""
-    return [
-        FactorValue(f"{factor.name} {shown(value)}", case_id, experiment.results(case_id))
-        for value, case_id in series.cases.items()
-    ]
-
-
-def _where(series: CaseSeries) -> str:
-    """Return the other settings of a series in words, to begin a sentence."""
-    others = described(series.others)
-    return f"with {others}, " if others else ""
-
-
-def _measures(line: Sequence[FactorValue]) -> Iterator[str]:
+def _measures(values: Sequence[FactorValue]) -> Iterator[str]:
     """Yield a sentence for each measure, and one on the outcomes for each value."""
-    for measure in line[0].results.kind.measures:
+    for measure in values[0].results.kind.measures:
         parts = [
             f"{measure.words(interval)}{each.which}"
-            for each in line
+            for each in values
             if each.results.has(measure) and (interval := each.results.interval(measure))
         ]
         if parts:
             yield f"{measure.says} {listed(parts)}"
-    for each in line:
+    for each in values:
         modes = sorted(each.results.modes.items(), key=lambda pair: -pair[1])
         parts = [f"{percent(count / each.results.episodes)} {mode}" for mode, count in modes]
         number = counted(each.results.episodes, "episode")
@@ -233,7 +209,7 @@ def _where_both_deliver(
     for measure in experiment.kind.measures[1:]:
         if not (one.results.has(measure) and other.results.has(measure)):
             continue
-        found = experiment.paired(measure, one.case_id, other.case_id)
+        found = experiment.paired(measure, *one.results.case_ids, *other.results.case_ids)
         if found is None or not found.is_known:
             continue
         begin = f"where both deliver, {one.name}"
