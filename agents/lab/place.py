@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import NamedTuple
 
 from warehouse_core import Cell, Layout, LayoutError
 from warehouse_core.task.starts import START, STATIONS, empty_cells
@@ -23,25 +22,6 @@ class Stations(StrEnum):
     def words(self) -> str:
         """Words for this source in an output."""
         return "random stations" if self is Stations.DRAWN else "stations of the layout"
-
-
-class Place(NamedTuple):
-    """Layout, start and stations of episodes.
-
-    Attributes:
-        layout: layout; its stations count only if they are kept.
-        start_pos: start cell, or ``None`` for a random one.
-        randomize: choice of the random parts, see ``WarehouseEnv.reset``.
-    """
-
-    layout: Layout
-    start_pos: Cell | None
-    randomize: bool | str
-
-    @property
-    def stations(self) -> Stations:
-        """Source of pickup and dropoff."""
-        return Stations.DRAWN if self.randomize in (True, STATIONS) else Stations.KEPT
 
 
 def default_stations(layout: Layout, *, is_default: bool) -> Stations:

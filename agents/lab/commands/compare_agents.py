@@ -14,15 +14,13 @@ from agents.lab.commands import random_layouts
 from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
-from agents.lab.console.values import load_place
 from agents.lab.console.watch import slow_steps_reported
 from agents.lab.place import Stations, what_to_draw
 from agents.lab.trials.scores import EXPLANATION, GRID_MEASURES, MEASURES, Measure, Scores
-from agents.lab.trials.task import Task
+from agents.lab.trials.task import Task, load_task
 from agents.lab.trials.wording import mean, share
 from agents.registry import make_agent
 from warehouse_core import Agent, Layout
-from warehouse_core.task.starts import STATIONS
 from warehouse_core.wording import counted
 
 AGENTS = {
@@ -95,8 +93,7 @@ def make_tasks(
 ) -> list[Task]:
     """Return a task for each size of random layouts, or one task for another layout."""
     if not random_layouts.are_wanted(layout, size=sizes, density=density):
-        place = load_place(layout, stations, start)
-        return [Task(place.layout, start_pos=place.start_pos, randomize=place.randomize)]
+        return [load_task(layout, stations, start)]
     if start is not None:
         raise typer.BadParameter(
             "--start cannot be combined with --layout random, where starts are random"
@@ -109,10 +106,9 @@ def make_tasks(
 def title_of(task: Task, seeds: range) -> str:
     """Return a title with the settings that the episodes of a task share."""
     layouts = "" if isinstance(task.layout, Layout) else f"{task.layout.name}, "
-    stations = Stations.DRAWN if task.randomize in (True, STATIONS) else Stations.KEPT
     return (
         f"{layouts}{counted(len(seeds), 'episode')} each, backend {task.backend}, "
-        f"seeds from {seeds.start}, {stations.words}"
+        f"seeds from {seeds.start}, {task.stations.words}"
     )
 
 

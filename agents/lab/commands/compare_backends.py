@@ -10,14 +10,14 @@ from textwrap import fill
 import typer
 
 from agents.code_names import split_name
-from agents.lab.commands.run import run_episode
 from agents.lab.commands.worlds import NO_VALUE, on_one_clock, result_rows, story_of_worlds
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
-from agents.lab.console.values import load_place, with_slippery
+from agents.lab.console.values import with_slippery
 from agents.lab.place import Stations
 from agents.lab.runs.run import draw_seed
+from agents.lab.trials.task import load_task
 from warehouse_core import Episode
 from warehouse_core.viz.tracks.record_track import track_of_record
 
@@ -69,12 +69,10 @@ def compare_backends(
     if len({*backends}) < len(backends):
         raise typer.BadParameter(f"--backend names {backends[-1]} twice; it is compared once")
     seed = draw_seed() if seed is None else seed
-    place = load_place(layout, stations, start)
+    task = load_task(layout, stations, start, battery=battery, max_steps=max_steps)
     records = {
-        backend: run_episode(
-            agent, backend, seed=seed, battery=battery, max_steps=max_steps, **place._asdict()
-        )
-        for backend in with_slippery(slippery, place.layout, *backends)
+        backend: task._replace(backend=backend).run(agent, seed)
+        for backend in with_slippery(slippery, layout, *backends)
     }
     print_table(comparison_table(records))
     say(fill(story_of_worlds(records), get_terminal_size().columns))

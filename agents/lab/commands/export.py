@@ -10,10 +10,10 @@ import typer
 from agents.lab.console import options
 from agents.lab.console.options import RECORD_SUFFIX
 from agents.lab.console.terminal import say
-from agents.lab.console.values import load_place
 from agents.lab.datasets.recording import MCAP, save_recording
 from agents.lab.datasets.table import save_table
 from agents.lab.runs.run import draw_seed
+from agents.lab.trials.task import load_task
 from warehouse_core import Episode
 from warehouse_core.files.atomic import check_suffix
 from warehouse_core.wording import counted
@@ -67,8 +67,8 @@ def export(
     check_name(name)
     first = draw_seed() if seed is None else seed
     seeds = range(first, first + episodes)
-    place = load_place(layout, None, None)
-    source = Source(agent, place, backend, battery, max_steps, view_radius)
+    limits = {"battery": battery, "max_steps": max_steps, "view_radius": view_radius}
+    source = Source(agent, load_task(layout, None, None, backend=backend, **limits))
     recorded = source.episodes(seeds)
     folder = save_dataset(name, source, (next(recorded) for _ in track(seeds, "episodes")))
     say(f"saved {counted(len(seeds), 'episode')} as {name} in {folder}")

@@ -10,10 +10,9 @@ from agents.lab.commands.steer import SteeringWheel
 from agents.lab.console import options
 from agents.lab.console.output import replay_or_save, unused
 from agents.lab.console.terminal import say
-from agents.lab.console.values import load_place, with_slippery
-from agents.lab.place import Place
-from agents.lab.runs.environment import make_env
+from agents.lab.console.values import with_slippery
 from agents.lab.runs.run import draw_seed
+from agents.lab.trials.task import Task, load_task
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.records.episode import is_drive
@@ -42,7 +41,7 @@ class KeyDriver:
     Args:
         env: environment of the robot.
         seed: seed of the first game; each further game adds 1.
-        place: layout, start and stations.
+        task: task with the stations of the games.
 
     Attributes:
         keys: meaning of the keys, in words.
@@ -51,12 +50,12 @@ class KeyDriver:
 
     keys = HELP
 
-    def __init__(self, env: WarehouseEnv, seed: int, place: Place) -> None:
+    def __init__(self, env: WarehouseEnv, seed: int, task: Task) -> None:
         # Here, because matplotlib takes long to import.
         from warehouse_core.viz.figure import make_window
         from warehouse_core.viz.scene import Scene
 
-        self._env, self._place = env, place
+        self._env, self._task = env, task
         self.games: list[Episode] = []
         self._begin(seed)
         self._scene = Scene([track_of_record(self.episode)], make_window, length=env.max_steps + 1)
@@ -81,7 +80,7 @@ class KeyDriver:
 
             plt.close(self.figure)
         elif key in AGAIN:
-            report_game(self.games, self._place)
+            report_game(self.games, self._task)
             self._begin(self._next_seed)
             self._show()
         elif key in KEYS and not self._recorder.ended:
@@ -90,7 +89,7 @@ class KeyDriver:
 
     def _begin(self, seed: int) -> None:
         self._frame = 0
-        self._env.reset(self._place.randomize, seed)
+        self._env.reset(self._task.randomize, seed)
         self._recorder = EpisodeRecorder(self._env, seed=seed, agent="You")
         self._next_seed = seed + 1
         self.games.append(self._recorder.episode)
@@ -120,10 +119,10 @@ class KeyDriver:
             self.press(event.key)
 
 
-def report_game(games: Sequence[Episode], place: Place) -> None:
+def report_game(games: Sequence[Episode], task: Task) -> None:
     """Print the number and the outcome of the last game."""
     say(f"game {len(games)}")
-    report_episode(games[-1], place.stations)
+    report_episode(games[-1], task.stations)
 
 
 def play(
@@ -146,15 +145,14 @@ def play(
 
     Example: warehouse play --backend drive --save games.npz
     """
-    place = load_place(layout, stations, start)
-    [backend] = with_slippery(slippery, place.layout, backend)
-    env = make_env(
-        backend, place.layout, place.start_pos, max_steps, battery, randomize=place.randomize
-    )
+    [backend] = with_slippery(slippery, layout, backend)
+    limits = {"battery": battery, "max_steps": max_steps}
+    task = load_task(layout, stations, start, backend=backend, **limits)
+    env = task.make_env()
     if not has_display():
         raise NoDisplayError("'warehouse play' needs a window, but there is no display")
     seed = draw_seed() if seed is None else seed
-    driver = SteeringWheel(env, seed) if is_drive(backend) else KeyDriver(env, seed, place)
+    driver = SteeringWheel(env, seed) if is_drive(backend) else KeyDriver(env, seed, task)
     say(driver.keys)
     import matplotlib.pyplot as plt
 
@@ -165,7 +163,7 @@ def play(
         if len(games) > 1 and not games[-1].steps:
             del games[-1]  # the window was closed at its start
         else:
-            report_game(games, place)
+            report_game(games, task)
         replay_or_save(games[0], save, show=False)
         for game in games[1:]:
             replay_or_save(game, list(map(unused, save)), show=False)

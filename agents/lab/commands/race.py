@@ -30,8 +30,8 @@ from agents.lab.console.options import option
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
-from agents.lab.console.values import load_place, with_slippery
-from agents.lab.trials.task import Task
+from agents.lab.console.values import with_slippery
+from agents.lab.trials.task import Task, load_task
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.registry import make_agent
 from warehouse_core import Agent, Episode, Layout, WarehouseEnv
@@ -110,16 +110,15 @@ def race(
 
     Example: warehouse race --worlds grid,physics,icy --save race.html
     """
-    place = load_place(layout, None, None)
-    task = Task(place.layout, BATTERY, max_steps, backend, place.start_pos, place.randomize)
+    task = load_task(layout, battery=BATTERY, max_steps=max_steps, backend=backend)
     where = f"layout {layout.stem}"
     if worlds is None:
-        [backend] = with_slippery(slippery, place.layout, backend)
+        [backend] = with_slippery(slippery, layout, backend)
         task = task._replace(backend=backend)
         shown = race_of_agents(agent or RACERS, task, seed, where)
     else:
         options.refuse(context, ["backend"], "race --worlds")
-        [ice] = with_slippery(slippery, place.layout, ICE)
+        [ice] = with_slippery(slippery, layout, ICE)
         shown = race_of_worlds(split_worlds(worlds), agent or [BLIND], ice, task, seed, where)
     print_table(shown.table)
     for sentence in shown.sentences:

@@ -13,10 +13,10 @@ from agents.lab.commands.worlds import DRIVE_ROWS
 from agents.lab.console import options
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
-from agents.lab.console.values import load_place, with_slippery
+from agents.lab.console.values import with_slippery
 from agents.lab.place import Stations
 from agents.lab.runs.run import draw_seed
-from agents.lab.trials.task import Task
+from agents.lab.trials.task import Task, load_task
 from agents.registry import make_agent
 from agents.search.agents import ExploringAgent
 from warehouse_core import (
@@ -123,11 +123,9 @@ def run(
 
     Example: warehouse run --agent astar --seed 12 --save replay.gif
     """
-    place = load_place(layout, stations, start)
-    [backend] = with_slippery(slippery, place.layout, backend)
-    task = Task(
-        place.layout, battery, max_steps, backend, place.start_pos, place.randomize, view_radius
-    )
+    [backend] = with_slippery(slippery, layout, backend)
+    limits = {"battery": battery, "max_steps": max_steps, "view_radius": view_radius}
+    task = load_task(layout, stations, start, backend=backend, **limits)
     first = draw_seed() if seed is None else seed
     beliefs = list[Belief]()
 
@@ -140,7 +138,7 @@ def run(
         return acting
 
     def finish(episode: Episode, show: bool | None) -> None:
-        report_episode(episode, place.stations)
+        report_episode(episode, task.stations)
         make_tracks = report_belief(episode, *beliefs[0]) if beliefs else None
         replay_or_save(episode, save, show, speed, make_tracks=make_tracks)
 

@@ -19,7 +19,7 @@ from agents.errors import AgentError
 from agents.lab.commands import random_layouts
 from agents.lab.console import options
 from agents.lab.console.group import CommandOfKinds
-from agents.lab.console.options import option, refuse
+from agents.lab.console.options import given, option, refuse
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_layout
@@ -66,48 +66,37 @@ VARIED = VariedLayouts()
 
 
 class Kind(NamedTuple):
-    """A kind of training, with its defaults and the options that it does not take.
+    """A kind of training, with its defaults and its options.
 
     Attributes:
         name: name in messages and pictures.
         steps: default number of training steps, a minimum.
         limit: default of the maximum steps of an episode, and of the steps that a battery lasts.
-        others: options that belong to other kinds.
+        options: names of its options, except for the file that is saved.
     """
 
     name: str
     steps: int
     limit: int
-    others: tuple[str, ...]
+    options: str
 
+
+OF_AGENTS = "steps seed layout battery max_steps resume"
+"""Options of the kinds that train agents for the actions of the grid."""
 
 KINDS = {
-    "q": Kind(
-        "Q-learning", 600_000, 200,
-        ("teacher", "robots", "order_rate", "size", "density", "layouts"),
-    ),
-    "ppo": Kind("PPO", 2_000_000, 200, ("teacher",)),
-    "clone": Kind("clone", 1_000_000, 800, ("robots", "order_rate", "density")),
-    "drive": Kind(
-        "continuous control", 7_000_000, 200,
-        ("teacher", "robots", "order_rate", "size", "density", "layouts", "battery", "max_steps",
-         "resume"),
-    ),
-}  # fmt: skip
-
-
-COMMON = {"steps", "seed", "layout", "battery", "max_steps", "resume"}
-"""Options of all kinds, except for the file that is saved."""
-
-OWN = {"teacher", "robots", "order_rate", "size", "density", "layouts"}
-"""Options of some kinds only."""
+    "q": Kind("Q-learning", 600_000, 200, OF_AGENTS),
+    "ppo": Kind("PPO", 2_000_000, 200, f"{OF_AGENTS} robots order_rate size density layouts"),
+    "clone": Kind("clone", 1_000_000, 800, f"{OF_AGENTS} teacher size layouts"),
+    "drive": Kind("continuous control", 7_000_000, 200, "steps seed layout"),
+}
 
 
 class TrainCommand(CommandOfKinds):
     """The command ``warehouse train``, whose help lists the options of a kind."""
 
     argument = "kind"
-    names: ClassVar = {name: (COMMON | OWN) - {*each.others} for name, each in KINDS.items()}
+    names: ClassVar = {name: each.options.split() for name, each in KINDS.items()}
 
 
 def defaults_of(field: str) -> str:
@@ -198,7 +187,7 @@ def train(
     if kind not in KINDS:
         raise typer.BadParameter(f"KIND is {brief(kind)}; allowed: {', '.join(KINDS)}")
     chosen = KINDS[kind]
-    refuse(context, chosen.others, f"train {kind}")
+    refuse(context, given(context) - {*chosen.options.split(), "kind", "save"}, f"train {kind}")
     steps, limit = steps or chosen.steps, max_steps or chosen.limit
     battery = battery or chosen.limit
     target = save or Path(f"{kind}.npz")

@@ -1,4 +1,4 @@
-"""Values from the texts of options: layouts, places, cells, batteries and times.
+"""Values from the texts of options: layouts, cells, batteries and times.
 
 A text that cannot be parsed raises ``typer.BadParameter``.
 """
@@ -12,7 +12,6 @@ from pathlib import Path
 import typer
 
 from agents.code_names import split_name
-from agents.lab.place import Place, Stations, check_stations, default_stations, what_to_draw
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout
 from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.batch.fleet_settings import JOULES, STEPS
@@ -28,26 +27,6 @@ def load_layout(path: Path | None) -> Layout:
     return DEFAULT_LAYOUT if path is None else find_layout(path)
 
 
-def load_place(path: Path | None, stations: Stations | None, start: str | None) -> Place:
-    """Return where episodes take place, by default in the layout of the chapter.
-
-    Args:
-        path: name or file of a layout.
-        stations: source of the stations; ``None`` keeps the stations of a file that has any,
-            and draws others at random.
-        start: cell as ``ROW,COL``; ``None`` is a random cell.
-
-    Raises:
-        LayoutError: no episode can take place in the layout.
-    """
-    layout, cell = load_layout(path), parse_cell(start, "--start")
-    if cell is not None:
-        check_open(layout, cell, "--start")
-    chosen = stations or default_stations(layout, is_default=layout is DEFAULT_LAYOUT)
-    check_stations(layout, chosen, path, "--stations drawn")
-    return Place(layout, cell, what_to_draw(chosen, cell))
-
-
 def parse_cell(text: str | None, option: str) -> Cell | None:
     """Return the cell that a text ``ROW,COL`` names, or ``None`` for ``None``."""
     if text is None:
@@ -58,12 +37,12 @@ def parse_cell(text: str | None, option: str) -> Cell | None:
     return int(cell[1]), int(cell[2])
 
 
-def with_slippery(cells: Sequence[str], layout: Layout, *backends: str) -> list[str]:
+def with_slippery(cells: Sequence[str], path: Path | None, *backends: str) -> list[str]:
     """Return the names of backends, with slippery cells for those that have bodies.
 
     Args:
         cells: texts ``ROW,COL``.
-        layout: layout in which the cells must be open.
+        path: name or file of the layout in which the cells must be open, see ``load_layout``.
         backends: names of the backends.
 
     Raises:
@@ -76,7 +55,7 @@ def with_slippery(cells: Sequence[str], layout: Layout, *backends: str) -> list[
         )
     wet = [cell for text in cells if (cell := parse_cell(text, "--slippery"))]
     for cell in wet:
-        check_open(layout, cell, "--slippery")
+        check_open(load_layout(path), cell, "--slippery")
     setting = "slippery=" + "+".join(f"{row}-{col}" for row, col in wet)
     return [
         f"{each}{',' if ':' in each else ':'}{setting}" if wet and _has_bodies(each) else each

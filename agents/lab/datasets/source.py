@@ -12,9 +12,9 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from agents.errors import AgentError, EpisodeError, reason_of
-from agents.lab.place import Place
+from agents.lab.trials.task import Task
 from agents.registry import agent_file, is_own_code, make_agent
-from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv
+from warehouse_core import Agent, BatchEnv, Layout
 from warehouse_core.fleet.observation import observation_of
 from warehouse_core.gymnasium_env import ID
 from warehouse_core.task.encoding import FleetArrays, ObservationArrays, vector
@@ -74,35 +74,18 @@ class Source:
 
     Args:
         agent: name of the agent, see ``agents/registry.py``.
-        place: layout and start, and which of them are random.
-        backend: name of an installed motion backend.
-        battery: number of units in a full battery.
-        max_steps: maximum number of steps in an episode.
-        view_radius: number of cells that the robot sees in each direction.
+        task: task in a single layout, on an installed motion backend.
     """
 
-    def __init__(
-        self,
-        agent: str = "greedy",
-        place: Place | None = None,
-        backend: str = "grid",
-        battery: int = 200,
-        max_steps: int = 200,
-        view_radius: int = 2,
-    ) -> None:
-        place = place or Place(DEFAULT_LAYOUT, None, True)
-        self.agent, self.layout = agent, place.layout
-        arguments: dict[str, Any] = {
-            "start_pos": place.start_pos, "max_steps": max_steps, "battery": battery,
-            "view_radius": view_radius, "randomize": place.randomize, "backend": backend,
-        }  # fmt: skip
-        self._arguments = {"layout": place.layout, **arguments}
+    def __init__(self, agent: str = "greedy", task: Task = Task()) -> None:  # noqa: B008
+        assert isinstance(task.layout, Layout), "a dataset has a single layout"
+        self.agent, self.layout, self._arguments = agent, task.layout, task._asdict()
         with closing(gymnasium.make(ID, observation="vector", **self._arguments)) as env:
             self.observation_space, self.action_space = env.observation_space, env.action_space
             self.spec = env.spec
-        self.task = f"Agent {agent} delivers an item to its dropoff on the backend {backend}."
+        self.task = f"Agent {agent} delivers an item to its dropoff on the backend {task.backend}."
         low = cast("spaces.Box[Any]", self.observation_space).low
-        most = MAX_BYTES // (low.nbytes * max_steps)
+        most = MAX_BYTES // (low.nbytes * task.max_steps)
         # A user's agent may use the global random generators of Python or NumPy, which only one
         # episode at a time may use.
         self._rows = 1 if is_own_code(agent) else int(np.clip(most, 1, ROWS))

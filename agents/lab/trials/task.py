@@ -7,9 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing, nullcontext
+from pathlib import Path
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
+from agents.lab.console.values import load_layout, parse_cell
 from agents.lab.console.watch import slow_steps_reported
+from agents.lab.place import Stations, check_stations, default_stations, what_to_draw
 from agents.lab.runs.environment import backend_for, make_env
 from agents.lab.runs.run import Watch, run
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
@@ -22,6 +25,8 @@ from warehouse_core.batch.array_env import SAME_STEP
 from warehouse_core.fleet import FleetBatch
 from warehouse_core.fleet.env import Actions
 from warehouse_core.records import FleetAgent
+from warehouse_core.task.starts import STATIONS
+from warehouse_core.world.layout import check_open
 
 __all__ = ["FleetTask", "Task"]
 
@@ -70,6 +75,11 @@ class Task(NamedTuple):
     start_pos: Cell | None = None
     randomize: bool | str = True
     view_radius: int = 2
+
+    @property
+    def stations(self) -> Stations:
+        """Source of pickup and dropoff."""
+        return Stations.DRAWN if self.randomize in (True, STATIONS) else Stations.KEPT
 
     @property
     def seed_stride(self) -> int:
@@ -155,6 +165,29 @@ class Task(NamedTuple):
             rows.append(lone_row(episode))
             expanded.append(agent.expanded if isinstance(agent, Searching) else 0)
         return Scores(rows, expanded)
+
+
+def load_task(
+    path: Path | None, stations: Stations | None = None, start: str | None = None, **others: Any
+) -> Task:
+    """Return the task in the layout of a file, or by default in the layout of the chapter.
+
+    Args:
+        path: name or file of a layout.
+        stations: source of the stations; ``None`` keeps the stations of a file that has any,
+            and draws others at random.
+        start: cell as ``ROW,COL``; ``None`` is a random cell.
+        others: other fields of the task.
+
+    Raises:
+        LayoutError: no episode can take place in the layout.
+    """
+    layout, cell = load_layout(path), parse_cell(start, "--start")
+    if cell is not None:
+        check_open(layout, cell, "--start")
+    chosen = stations or default_stations(layout, is_default=layout is DEFAULT_LAYOUT)
+    check_stations(layout, chosen, path, "--stations drawn")
+    return Task(layout, start_pos=cell, randomize=what_to_draw(chosen, cell), **others)
 
 
 class FleetTask(NamedTuple):

@@ -15,7 +15,7 @@ from PIL import Image
 
 from agents.lab.commands import play as module
 from agents.lab.commands.play import KeyDriver
-from agents.lab.place import Place
+from agents.lab.trials.task import Task
 from warehouse_core import Episode, WarehouseEnv
 from warehouse_core.viz.figure import SceneFigure
 
@@ -23,7 +23,7 @@ from warehouse_core.viz.figure import SceneFigure
 @pytest.fixture
 def driver() -> KeyDriver:
     # This seed puts the robot at (1, 1), P below it at (2, 1), and D next to P at (2, 2).
-    return KeyDriver(WarehouseEnv(ROOM, max_steps=8), SEED, Place(ROOM, None, True))
+    return KeyDriver(WarehouseEnv(ROOM, max_steps=8), SEED, Task(ROOM))
 
 
 SEED = 4

@@ -4,8 +4,9 @@ from pathlib import Path
 import pytest
 from helpers.command_line import Refused
 
-from agents.lab.console.values import load_layout, load_place
-from agents.lab.place import Place, Stations
+from agents.lab.console.values import load_layout
+from agents.lab.place import Stations
+from agents.lab.trials.task import Task, load_task
 from warehouse_core import DEFAULT_LAYOUT, LayoutError
 from warehouse_core.world.map_files import save_layout
 
@@ -45,9 +46,11 @@ def test_stations_of_a_file_are_kept_unless_it_has_none(
     path = None if rows is None else tmp_path / "room.txt"
     if path is not None:
         path.write_text(f"{rows}\n")
-    place = load_place(path, stations, start)
-    assert place == Place(load_layout(path), None if start is None else (0, 1), randomize)
-    assert place.stations is (stations or (KEPT if randomize in (False, "start") else DRAWN))
+    start_pos = None if start is None else (0, 1)
+    wanted = Task(load_layout(path), start_pos=start_pos, randomize=randomize)
+    task = load_task(path, stations, start)
+    assert task == wanted
+    assert task.stations is (stations or (KEPT if randomize in (False, "start") else DRAWN))
 
 
 @pytest.mark.parametrize(
@@ -67,9 +70,9 @@ def test_a_place_without_an_episode_is_an_error(
     path = tmp_path / "room.txt"
     path.write_text(f"{rows}\n")
     with pytest.raises(LayoutError, match=message):
-        load_place(path, stations, start)
+        load_task(path, stations, start)
 
 
 def test_a_map_has_no_stations_and_they_are_drawn(tmp_path: Path) -> None:
     save_layout(DEFAULT_LAYOUT, tmp_path / "room.map")
-    assert load_place(tmp_path / "room.map", None, None).stations is DRAWN
+    assert load_task(tmp_path / "room.map").stations is DRAWN

@@ -14,6 +14,7 @@ from agents.errors import StoreError
 from agents.lab.datasets import minari_files
 from agents.lab.datasets.minari_files import DATA, FILE, check_name, save_dataset
 from agents.lab.datasets.source import FIELDS, EpisodeArrays, Source
+from agents.lab.trials.task import Task
 
 SEEDS = range(3, 15)
 
@@ -25,7 +26,7 @@ def datasets(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 
 def lone() -> Source:
-    return Source("greedy", battery=90)
+    return Source("greedy", Task(battery=90))
 
 
 def nested(arrays: dict[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from helpers.command_line import write_mine
 from agents.errors import EpisodeError
 from agents.lab.datasets import source as sources
 from agents.lab.datasets.source import MOTION, OF_STEPS, EpisodeArrays, Source
-from agents.lab.place import Place
+from agents.lab.trials.task import Task
 from agents.registry import make_agent
 from warehouse_core import Layout
 from warehouse_core.world.actions import ACTIONS, action_index
@@ -38,7 +38,7 @@ def few_rows(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("agent", ["greedy", "astar", "random", "mine.py"])
 def test_each_episode_equals_the_episode_in_gymnasium_with_the_same_seed(agent: str) -> None:
     Path("mine.py").write_text(DRAWING)
-    source = Source(agent, max_steps=60, battery=50)
+    source = Source(agent, Task(max_steps=60, battery=50))
     episodes = [*source.episodes(SEEDS)]
     assert [each.seed for each in episodes] == [*SEEDS]
     env = environment(source)
@@ -70,7 +70,8 @@ def environment(source: Source) -> Any:
 def test_observations_and_infos_equal_gymnasium_with_the_same_seed_and_actions(
     backend: str, tolerance: float
 ) -> None:
-    source = Source("greedy", Place(named_layout("trap"), (2, 3), "stations"), backend, 40, 30)
+    task = Task(named_layout("trap"), 40, 30, backend, (2, 3), "stations")
+    source = Source("greedy", task)
     env = environment(source)
     for seed, arrays in source.episodes(range(10)):
         steps = [env.reset(seed=seed)]
@@ -96,13 +97,13 @@ def test_episodes_do_not_depend_on_episodes_that_run_next_to_them(
     def digests(found: list[EpisodeArrays]) -> list[dict[str, bytes]]:
         return [{name: each.tobytes() for name, each in arrays.items()} for _, arrays in found]
 
-    source = Source("greedy:memory=5", battery=60)
+    source = Source("greedy:memory=5", Task(battery=60))
     together = digests([*source.episodes(SEEDS)])
     assert len({len(each["rewards"]) for each in together}) > sources.ROWS
     alone = [digests([*source.episodes(range(seed, seed + 1))])[0] for seed in SEEDS]
     assert together == alone
     monkeypatch.setattr(sources, "MAX_BYTES", 1)
-    assert digests([*Source("greedy:memory=5", battery=60).episodes(SEEDS)]) == alone
+    assert digests([*Source("greedy:memory=5", Task(battery=60)).episodes(SEEDS)]) == alone
 
 
 @pytest.mark.parametrize(
@@ -118,7 +119,7 @@ def test_an_agent_that_fails_is_named_with_its_seed_and_its_step(
     line: str, returned: str, reason: str
 ) -> None:
     write_mine("act", line, returned)
-    source = Source("mine.py", Place(Layout(["....."]), None, True))
+    source = Source("mine.py", Task(Layout(["....."])))
     with pytest.raises(EpisodeError) as caught:
         next(source.episodes(range(5, 8)))
     assert str(caught.value).startswith(f"seed 5, step 4, agent mine.py: {reason}")
