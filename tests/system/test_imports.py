@@ -98,9 +98,9 @@ MAY_IMPORT = {
     "agents/lab": "errors fleet mapf",
     "agents/code_names": "",
     "agents/registry": "code_names errors fleet kinds learning mapf search warehouse_agent_greedy",
-    "agents/lab/runs": "drive errors fleet learning registry",
+    "agents/lab/runs": "drive errors fleet learning",
     "agents/lab/console": "code_names errors lab lab/runs registry",
-    "agents/lab/trials": "errors lab/console lab/runs learning registry",
+    "agents/lab/trials": "errors lab lab/console lab/runs learning registry",
     "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/commands/planners": (
         "code_names errors fleet lab lab/console lab/trials mapf mapf/kernels registry"
@@ -110,7 +110,7 @@ MAY_IMPORT = {
         "code_names errors lab lab/runs lab/trials registry warehouse_agent_greedy"
     ),
     "agents/lab/training": "lab/console lab/trials learning",
-    "agents/lab/datasets": "errors lab lab/experiments lab/trials registry",
+    "agents/lab/datasets": "errors lab/experiments lab/trials registry",
     "agents/lab/reports": "errors lab lab/console lab/experiments lab/trials registry",
     "agents/lab/commands/backends": (
         "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"

@@ -13,7 +13,7 @@ from typing import Any, cast
 from agents.errors import EpisodeError, EpisodeInterrupted, file_of, frames_in, reason_of
 from agents.fleet.planned import PlannedFleet
 from agents.fleet.team import Team
-from agents.lab.runs.environment import controller_of
+from agents.learning.drive_policy import DrivePolicy
 from warehouse_core import Agent, Episode, FleetEnv, WarehouseEnv
 from warehouse_core.records import FleetAgent
 from warehouse_core.records.recorder import Controller, Recordable, start_recording
@@ -75,6 +75,15 @@ def run(
         message = f"seed {episode.seed}, {place()}, {culprit}: {reason_of(error, file)}"
         raise EpisodeError(message, episode) from error
     return cast(Episode, recorder.episode)
+
+
+def controller_of(env: Any, agent: Any) -> Any:
+    """Return what acts for an agent: a follower if a grid agent is to control a body."""
+    if isinstance(env, (WarehouseEnv, FleetEnv)) or isinstance(agent, DrivePolicy):
+        return agent
+    from agents.drive.follower import Follower  # needs pymunk, as its environment does
+
+    return Follower(env, agent)
 
 
 def draw_seed() -> int:

@@ -13,18 +13,29 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 from agents.lab.console.values import load_layout, parse_cell
 from agents.lab.console.watch import slow_steps_reported
 from agents.lab.place import Stations, check_stations, default_stations, what_to_draw
-from agents.lab.runs.environment import backend_for, make_env
 from agents.lab.runs.run import Watch, run
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
 from agents.lab.trials.rows import fleet_row, lone_row
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.learning.learner import MakeAgent
-from agents.registry import make_agent, on_backend
-from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv, Cell, Episode, FleetEnv, Layout
+from agents.registry import make_agent, make_backend, on_backend
+from warehouse_core import (
+    DEFAULT_LAYOUT,
+    Agent,
+    BackendError,
+    BatchEnv,
+    Cell,
+    Episode,
+    FleetEnv,
+    Layout,
+    WarehouseEnv,
+)
 from warehouse_core.batch.array_env import SAME_STEP
+from warehouse_core.extras import not_installed
 from warehouse_core.fleet import FleetBatch
 from warehouse_core.fleet.env import Actions
 from warehouse_core.records import FleetAgent
+from warehouse_core.records.episode import DRIVE, is_drive
 from warehouse_core.task.starts import STATIONS
 from warehouse_core.world.layout import check_open
 
@@ -91,16 +102,30 @@ class Task(NamedTuple):
         return self.layout if isinstance(self.layout, Layout) else self.layout.layout(seed)
 
     def make_env(self, seed: int = 0) -> Any:
-        """Return an environment for the episode with a seed; see ``environment.make_env``."""
-        return make_env(
-            self.backend,
-            self.layout_for(seed),
-            self.start_pos,
-            self.max_steps,
-            self.battery,
-            self.view_radius,
-            self.randomize,
-        )
+        """Return the environment for the episode with a seed.
+
+        It is a ``DriveEnv`` if the backend means continuous control, and otherwise a
+        ``WarehouseEnv``. Under continuous control, ``max_steps`` and ``battery`` count moves over
+        one cell, and ``randomize`` is used instead of the argument of ``reset``.
+
+        Raises:
+            BackendError: a setting is wrong, or a library is not installed.
+        """
+        layout, limits = self.layout_for(seed), (self.max_steps, self.battery)
+        if not is_drive(self.backend):
+            backend = make_backend(self.backend)
+            return WarehouseEnv(layout, self.start_pos, *limits, self.view_radius, backend=backend)
+        try:
+            from warehouse_physics.drive import DriveEnv
+        except ImportError as error:
+            raise BackendError(not_installed("backend 'drive' needs", error, "physics")) from error
+        try:
+            return DriveEnv.from_name(
+                self.backend, layout, start_pos=self.start_pos, randomize=self.randomize,
+                moves=self.max_steps, units=self.battery,
+            )  # fmt: skip
+        except ValueError as error:
+            raise BackendError(f"backend {self.backend!r}: {error}") from error
 
     def make_batch(self, rows: int) -> BatchEnv:
         """Return a batch of environments for training on the grid.
@@ -130,8 +155,10 @@ class Task(NamedTuple):
         """
 
         def act(backend: str) -> Episode:
-            task = self._replace(backend=backend_for(name, backend))
-            with closing(task.make_env(seed)) as env:
+            if backend == DRIVE and is_drive(name):  # a trained policy has an environment
+                trained: Any = make_agent(name)
+                backend = trained.backend
+            with closing(self._replace(backend=backend).make_env(seed)) as env:
                 agent = make(name, seed, self.layout_for(seed))
                 watch = slow_steps_reported(agent, name)
                 return run(env, agent, seed, watch, name=name, randomize=self.randomize)
