@@ -41,7 +41,7 @@ MAX_FAILURES = 20
 """Number of failed episodes of a case after which its remaining seeds are skipped."""
 
 
-class Progress(NamedTuple):
+class SweepProgress(NamedTuple):
     """Rows of a case that have been stored, and messages about its failures."""
 
     case_id: int = 0
@@ -119,7 +119,7 @@ class TaskQueue:
 
 def run_missing(
     plan: SweepPlan, store: Store, executor: Executor, workers: int
-) -> Iterator[Progress]:
+) -> Iterator[SweepProgress]:
     """Run the missing episodes of a plan, and yield the progress.
 
     An error of the store or the executor ends the run. Rows that have been written remain in the
@@ -142,17 +142,17 @@ def run_missing(
         if not running:
             return
         done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
-        yield Progress()
+        yield SweepProgress()
         # Tasks without an outcome come last, because they may end the run.
         for future in sorted(done, key=lambda each: each.cancelled() or bool(each.exception())):
             task = running.pop(future)
             try:
                 outcome = future.result()
             except WorkerError as ending:
-                yield Progress(task.case_id, failures=queue.ended(task, str(ending)))
+                yield SweepProgress(task.case_id, failures=queue.ended(task, str(ending)))
             else:
                 store.add(task.case_id, outcome.rows, outcome.program)
-                yield Progress(task.case_id, outcome.rows, queue.done(task, outcome))
+                yield SweepProgress(task.case_id, outcome.rows, queue.done(task, outcome))
 
 
 def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:

@@ -58,7 +58,7 @@ class FactorValue(NamedTuple):
         return f" with {self.name}" if self.name else ""
 
 
-class Comparison:
+class ComparedValues:
     """The values of a factor in a series of cases.
 
     Attributes:
@@ -144,7 +144,7 @@ def answers(experiment: Experiment) -> tuple[Answer, ...]:
         if series := experiment.design.series(factor):
             parameter = PARAMETERS.get(factor.name)
             question = parameter.question if parameter else f"What does {factor.name} change?"
-            compared = [Comparison(experiment, factor, each) for each in series]
+            compared = [ComparedValues(experiment, factor, each) for each in series]
             found.append(_answer(question, _compared(compared)))
     return tuple(found) or (_answer("What are the results?", _apart(experiment)),)
 
@@ -154,7 +154,7 @@ def _answer(question: str, lines: Iterable[str]) -> Answer:
     return Answer(question, verdict, tuple(sentences))
 
 
-def _compared(series: Sequence[Comparison]) -> Iterator[str]:
+def _compared(series: Sequence[ComparedValues]) -> Iterator[str]:
     """Yield the verdict on a factor's question, and then the evidence."""
     main = series[0]
     yield main.verdict
