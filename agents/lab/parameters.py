@@ -181,6 +181,12 @@ def size(value: Any) -> str:
     return sides[0]
 
 
+def pair_of(checked_text: str) -> tuple[int, int]:
+    """Return the two numbers of a text that ``due_times`` or ``size`` has checked."""
+    first, second = map(int, re.split("[:x]", checked_text))
+    return first, second
+
+
 PARAMETERS = {
     FLEET: Parameter(
         8, Whole(1, MAX_BODIES), "{}; makes it a fleet with orders",

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from agents.lab.console.options import LAYOUT, option
-from agents.lab.parameters import Whole
+from agents.lab.parameters import Whole, pair_of
 from agents.lab.parameters import size as check_size
 from agents.lab.place import RANDOM
 from agents.lab.trials.random_layouts import MAX_POOL, RandomLayouts
@@ -68,13 +68,15 @@ def are_wanted(layout: Path | None, **options: object) -> bool:
 
 
 def parse(
-    size: str | None, density: str | None, count: int | None = None, pool_seed: int = 1
+    size: str | None,
+    density: str | None,
+    count: int | None = None,
+    pool_seed: int = 1,
+    default: RandomLayouts = DEFAULTS,
 ) -> RandomLayouts:
     """Return the random layouts that some options describe; ``None`` stands for the default."""
-    height, width = DEFAULTS.height, DEFAULTS.width
-    lowest, highest = DEFAULTS.lowest, DEFAULTS.highest
-    if size is not None:
-        height, width = map(int, size.split("x"))
+    height, width = pair_of(size) if size else (default.height, default.width)
+    lowest, highest = default.lowest, default.highest
     if density is not None:
         try:
             ends = [float(end) for end in density.split(":")]
@@ -83,4 +85,5 @@ def parse(
             raise typer.BadParameter(
                 f"--density is {density!r}; it must be LOW:HIGH as in 0.1:0.4, or one number"
             ) from None
-    return RandomLayouts(height, width, lowest, highest, count or DEFAULTS.count, pool_seed)
+    count = count or default.count
+    return type(default)(height, width, lowest, highest, count, pool_seed)

@@ -201,12 +201,10 @@ def train(
     task: Task | FleetTask
     if robots > 1:
         task = FleetTask(load_layout(layout), robots, order_rate, battery, limit)
-    elif kind == "clone" and is_random:
-        height, width = map(int, size.split("x")) if size else (VARIED.height, VARIED.width)
-        varied = VariedLayouts(height, width, count=layouts or VARIED.count, pool_seed=seed)
-        task = Task(varied, battery, limit)
     elif is_random:
-        task = Task(random_layouts.parse(size, density, layouts, seed), battery, limit)
+        default = VARIED if kind == "clone" else random_layouts.DEFAULTS
+        drawn = random_layouts.parse(size, density, layouts, seed, default)
+        task = Task(drawn, battery, limit)
     else:
         task = Task(load_layout(layout), battery, limit)
     check_agent_file(target)

@@ -1,4 +1,4 @@
-"""Values from the texts of options: layouts, cells, batteries and times.
+"""Values from the texts of options: layouts, cells, batteries and fleet sizes.
 
 A text that cannot be parsed raises ``typer.BadParameter``.
 """
@@ -68,12 +68,6 @@ def _has_bodies(backend: str) -> bool:
     return is_drive(backend) or (
         name in backend_names() and "slippery" in getattr(load_backend(name), "WORDS", ())
     )
-
-
-def parse_due(text: str) -> tuple[int, int]:
-    """Return the fewest and most steps of a text ``FEWEST:MOST``, checked by ``due_times``."""
-    fewest, most = map(int, text.split(":"))
-    return fewest, most
 
 
 def parse_battery(text: str) -> Battery:

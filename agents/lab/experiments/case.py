@@ -33,6 +33,7 @@ from agents.lab.parameters import (
     Value,
     checked,
     find,
+    pair_of,
     shown,
     text,
 )
@@ -222,7 +223,7 @@ def cells_of(case: Case) -> int:
     """Return the number of cells in each layout of a case."""
     if TILES in case:
         return len(case[TILES]) * len(case[TILES][0])
-    return math.prod(_pair(case["size"], "x"))
+    return math.prod(pair_of(case["size"]))
 
 
 def layout_for(case: Case, seed: int) -> Layout:
@@ -236,7 +237,7 @@ def layout_for(case: Case, seed: int) -> Layout:
     if TILES in case:
         layout = layout_of(case)
     else:
-        layout = random_layout(*_pair(case["size"], "x"), case["density"], seed)
+        layout = random_layout(*pair_of(case["size"]), case["density"], seed)
     if not is_fleet(case):
         return layout
     return layout.with_chargers(_some(layout.chargers, case["chargers"]))
@@ -254,7 +255,7 @@ def make_env(case: Case, layout: Layout, *, dispatch: bool = True) -> WarehouseE
         return FleetEnv(
             layout,
             case[FLEET],
-            orders=OrderStream(case["order_rate"], _pair(case["due"], ":")),
+            orders=OrderStream(case["order_rate"], pair_of(case["due"])),
             people=case["people"],
             dispatch=dispatch,
             **shared,
@@ -290,11 +291,6 @@ def _some(chargers: Sequence[Cell], count: int) -> list[Cell]:
     if count > len(chargers):
         raise LayoutError(f"chargers is {count}; the layout has {len(chargers)}")
     return [chargers[number * len(chargers) // count] for number in range(count)]
-
-
-def _pair(words: str, separator: str) -> tuple[int, int]:
-    first, second = map(int, words.split(separator))
-    return first, second
 
 
 def _backend(case: Case) -> Backend:

@@ -27,9 +27,9 @@ from agents.lab.console import options
 from agents.lab.console.options import MANY, option, parameter_option, writable
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say, warnings_printed
-from agents.lab.console.values import parse_battery, parse_due
+from agents.lab.console.values import parse_battery
 from agents.lab.console.watch import slow_steps_reported
-from agents.lab.parameters import default_value
+from agents.lab.parameters import default_value, pair_of
 from agents.lab.runs.run import draw_seed, run
 from agents.registry import make_backend, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
@@ -40,7 +40,7 @@ from warehouse_core.wording import counted
 from warehouse_core.world.moves import COMPASS, TURN
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
-RATE, DUE = default_value("order_rate"), parse_due(default_value("due"))
+RATE, DUE = default_value("order_rate"), pair_of(default_value("due"))
 
 PUSHES, AUTO = "pushes", "auto"
 

@@ -16,7 +16,7 @@ from agents.lab.commands.fleet import fleet as module
 from agents.lab.commands.fleet.fleet import find_orders
 from agents.lab.commands.fleet.report import LINES, diagnosis, share_of_possible, verdict
 from agents.lab.commands.fleet.report import measures_table as table
-from agents.lab.console.values import parse_battery, parse_due
+from agents.lab.console.values import parse_battery
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEpisode, Order, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
@@ -287,5 +287,4 @@ def test_a_fleet_that_will_run_empty_is_warned_of_once(warehouse: Warehouse) -> 
 def test_texts_are_read_as_settings() -> None:
     assert parse_battery("7") == parse_battery("7steps") == Battery(7)
     assert parse_battery("7 joules") == Battery(7, "joules")
-    assert parse_due("5:90") == (5, 90)
     assert find_orders(None, None) == OrderStream(0.06, (50, 150))
