@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from agents.lab.commands.run import run_episode
 from agents.lab.console import watch
+from agents.lab.trials.task import Task
 
 
 def test_each_step_that_takes_long_is_reported_once_with_its_line(
@@ -26,8 +26,7 @@ def test_each_step_that_takes_long_is_reported_once_with_its_line(
             return "N"
 
     line = Slow.act.__code__.co_firstlineno + 3
-    monkeypatch.setattr("agents.lab.commands.run.make_agent", lambda *_: Slow())
-    assert run_episode("slow", seed=1, max_steps=5).steps == 5
+    assert Task(max_steps=5).run("slow", 1, lambda *_: Slow()).steps == 5
     assert capsys.readouterr().err.splitlines() == [
         f"warehouse: step {step}, agent slow takes more than 0.05 s (test_watch.py, line {line}); "
         "Ctrl-C stops it"
