@@ -216,7 +216,7 @@ def train(
         task = task._replace(layout=task.layout.without([*EXAM_SEEDS, *FINAL_SEEDS]))
     name = chosen.name if kind != "clone" else f"clone of {teacher}"
     training = Training(name, task, steps, seed, target)
-    learner, writers = LEARNERS[kind](task, steps, seed, teacher)
+    learner, writers = learner_of(kind, task, steps, seed, teacher)
     training.run(learner, writers, resume=resume)
     if kind == "ppo" and is_random:
         say(
@@ -225,23 +225,18 @@ def train(
         )
 
 
-def _ppo(task: Any, steps: int, seed: int, _: str) -> tuple[Learner, dict[str, Writer]]:
-    learner = make_learner(task, steps, seed)
-    return learner, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model}
-
-
-def _q(task: Any, steps: int, seed: int, _: str) -> tuple[Learner, dict[str, Writer]]:
-    learner = QLearner(task.make_env(), steps, seed)
-    return learner, {MODEL_SUFFIX: partial(save_table, learner.table, task.layout)}
-
-
-def _clone(task: Any, steps: int, seed: int, teacher: str) -> tuple[Learner, dict[str, Writer]]:
-    learner = make_clone_learner(teacher, task, steps, seed)
-    return learner, {MODEL_SUFFIX: learner.save_network}
-
-
-LEARNERS = {"q": _q, "ppo": _ppo, "clone": _clone}
-"""Functions that return the learner of a kind, and the functions that write its files by suffix."""
+def learner_of(
+    kind: str, task: Any, steps: int, seed: int, teacher: str
+) -> tuple[Learner, dict[str, Writer]]:
+    """Return the learner of a kind, and the functions that write its files by suffix."""
+    if kind == "ppo":
+        ppo = make_learner(task, steps, seed)
+        return ppo, {MODEL_SUFFIX: ppo.save_network, ".zip": ppo.save_model}
+    if kind == "clone":
+        clone = make_clone_learner(teacher, task, steps, seed)
+        return clone, {MODEL_SUFFIX: clone.save_network}
+    q = QLearner(task.make_env(), steps, seed)
+    return q, {MODEL_SUFFIX: partial(save_table, q.table, task.layout)}
 
 
 def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
