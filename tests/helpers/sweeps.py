@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 from agents.errors import StoreError
 from agents.lab.experiments.choices import parse_flags
-from agents.lab.experiments.plan import SweepPlan, make_plan
+from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import BOTH, TABLE_OF, Store
 from helpers.command_line import ROOT
@@ -43,12 +43,8 @@ class Here(Executor):
         return future
 
 
-def run_all(
-    plan: SweepPlan, store: Store, executor: Executor | None = None, count: int = 1
-) -> None:
-    """Run the missing episodes of a plan, by default in this process."""
-    for _ in run_missing(plan, store, executor or Here(), count):
-        pass
+def nothing(rows: Sequence[Any], failures: Sequence[str] = ()) -> None:
+    pass
 
 
 def table(path: Path) -> list[tuple[Any, ...]]:
@@ -82,7 +78,7 @@ def words(output: Path, episodes: int, flags: Sequence[str] = FLAGS, workers: in
 
 def uninterrupted(path: Path, episodes: int, flags: Sequence[str] = FLAGS) -> list[Any]:
     with Store(path) as store:
-        run_all(make_plan(parse_flags(flags), episodes, 3), store)
+        run_missing(make_plan(parse_flags(flags), episodes, 3), store, Here(), 1, nothing)
     return table(path)
 
 

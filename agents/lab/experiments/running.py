@@ -13,7 +13,7 @@ worker ends a second time has failed.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from itertools import islice
 from typing import NamedTuple
@@ -35,18 +35,16 @@ TASKS_PER_WORKER = 2
 """Number of submitted tasks per worker, so that no worker has to wait for its next task."""
 
 TICK = 0.1
-"""Seconds after which ``run_missing`` yields even if no task has finished."""
+"""Seconds after which ``report`` is called even if no task has finished."""
 
 MAX_FAILURES = 20
 """Number of failed episodes of a case after which its remaining seeds are skipped."""
 
+ReportRows = Callable[[Sequence[AnyRow], Sequence[str]], None]
+"""Function that receives stored rows and messages of failures; it may raise to end the run.
 
-class SweepProgress(NamedTuple):
-    """Rows of a case that have been stored, and messages about its failures."""
-
-    case_id: int = 0
-    rows: Sequence[AnyRow] = ()
-    failures: Sequence[str] = ()
+It is also called with empty sequences, see ``TICK``.
+"""
 
 
 class WorkerTask(NamedTuple):
@@ -66,10 +64,10 @@ def paced(episodes: int, seconds: float) -> int:
 
 
 class TaskQueue:
-    """The remaining tasks of a plan."""
+    """The remaining tasks of a plan, and the number of failures of each case."""
 
     def __init__(self, plan: SweepPlan, store: Store) -> None:
-        self._failures, self._task_episodes = Counter[int](), 1
+        self.failed, self._task_episodes = Counter[int](), 1
         self._missing, self._again = self._missing_tasks(plan, store), list[WorkerTask]()
 
     def take(self) -> WorkerTask | None:
@@ -98,7 +96,7 @@ class TaskQueue:
         )
 
     def _failed(self, task: WorkerTask, message: str) -> list[str]:
-        self._failures[task.case_id] += 1
+        self.failed[task.case_id] += 1
         if not self._is_wanted(task):
             message += f"; its other seeds are skipped after MAX_FAILURES = {MAX_FAILURES}"
         return [message]
@@ -108,22 +106,22 @@ class TaskQueue:
         for case in plan.cases:
             case_id = store.case_id(case)
             seeds = _missing_seeds(store, case_id, plan.seeds)
-            while self._failures[case_id] < MAX_FAILURES:
+            while self.failed[case_id] < MAX_FAILURES:
                 if not (some := list(islice(seeds, self._task_episodes))):
                     break
                 yield WorkerTask(case_id, case, some)
 
     def _is_wanted(self, task: WorkerTask) -> bool:
-        return self._failures[task.case_id] < MAX_FAILURES
+        return self.failed[task.case_id] < MAX_FAILURES
 
 
 def run_missing(
-    plan: SweepPlan, store: Store, executor: Executor, workers: int
-) -> Iterator[SweepProgress]:
-    """Run the missing episodes of a plan, and yield the progress.
+    plan: SweepPlan, store: Store, executor: Executor, workers: int, report: ReportRows
+) -> Counter[int]:
+    """Run the missing episodes of a plan, and return the number of failures by case number.
 
-    An error of the store or the executor ends the run. Rows that have been written remain in the
-    store.
+    An error of the store, the executor or ``report`` ends the run. Rows that have been written
+    remain in the store.
 
     Example:
         >>> from concurrent.futures import ThreadPoolExecutor
@@ -132,27 +130,28 @@ def run_missing(
         >>> from agents.lab.experiments.store import Store
         >>> plan = make_plan({"memory": [5, 10]}, episodes=3, seed=7)
         >>> with Store("results.sqlite") as store, ThreadPoolExecutor(1) as executor:
-        ...     sum(len(each.rows) for each in run_missing(plan, store, executor, 1))
-        6
+        ...     failures = run_missing(plan, store, executor, 1, lambda rows, messages: None)
+        ...     store.count(plan.cases[0], plan.seeds)
+        3
     """
     queue, running = TaskQueue(plan, store), dict[Future[Done], WorkerTask]()
     while True:
         while len(running) < TASKS_PER_WORKER * workers and (task := queue.take()):
             running[executor.submit(run_task, task.case, task.seeds)] = task
         if not running:
-            return
+            return queue.failed
         done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
-        yield SweepProgress()
+        report([], [])
         # Tasks without an outcome come last, because they may end the run.
         for future in sorted(done, key=lambda each: each.cancelled() or bool(each.exception())):
             task = running.pop(future)
             try:
                 outcome = future.result()
             except WorkerError as ending:
-                yield SweepProgress(task.case_id, failures=queue.ended(task, str(ending)))
+                report([], queue.ended(task, str(ending)))
             else:
                 store.add(task.case_id, outcome.rows, outcome.program)
-                yield SweepProgress(task.case_id, outcome.rows, queue.done(task, outcome))
+                report(outcome.rows, queue.done(task, outcome))
 
 
 def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:

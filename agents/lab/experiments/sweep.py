@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -19,11 +21,37 @@ from agents.lab.console.options import option
 from agents.lab.console.terminal import print_error, say
 from agents.lab.experiments.choices import PlanFile, parse_flags, read_plan_file
 from agents.lab.experiments.plan import MAX_EPISODES, SweepPlan, make_plan
-from agents.lab.experiments.running import run_missing
+from agents.lab.experiments.running import ReportRows, run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import MAX_SEED, PARAMETERS, PHYSICAL, Whole
-from agents.lab.trials.workers import Processes, deferred_interrupts
+from agents.lab.trials.rows import AnyRow
+from agents.lab.trials.workers import CheckInterrupt, Processes, deferred_interrupts
 from warehouse_core.wording import counted
+
+
+@contextmanager
+def sweep_bar(episodes: int, check: CheckInterrupt) -> Iterator[ReportRows]:
+    """Show a progress bar, and yield a function that advances it and checks for interrupts.
+
+    The function also prints each new message of a failure.
+    """
+    from agents.lab.console.progress import progress_bar
+
+    done, reported = 0, set[str]()
+    with progress_bar(episodes) as advance:
+
+        def report(rows: Sequence[AnyRow], failures: Sequence[str]) -> None:
+            nonlocal done
+            for failure in {*failures} - reported:
+                reported.add(failure)  # a failure of a whole case is repeated for each seed
+                print_error(failure)
+            if rows:
+                done += len(rows)
+                advance(done)
+            check()
+
+        yield report
+
 
 PRESETS = {
     name: Path(__file__).parent / "presets" / f"{name}.toml"
@@ -109,21 +137,12 @@ def sweep(
         done = _done(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
         say(f"{cases}, {each} each, {done:,} done")
-        missing, failed, reported = plan.total - done, Counter[int](), set[str]()
-        count, finished = min(jobs or os.cpu_count() or 1, missing), 0
-        from agents.lab.console.progress import progress_bar  # Rich takes long to import
-
+        missing, failed = plan.total - done, Counter[int]()
+        count = min(jobs or os.cpu_count() or 1, missing)
         try:
             if missing:
-                with Processes(count) as pool, progress_bar(missing) as advance:
-                    for case_id, rows, failures in run_missing(plan, store, pool, count):
-                        failed.update([case_id] * len(failures))
-                        for failure in {*failures} - reported:
-                            print_error(failure)  # once, even if each seed of a case repeats it
-                        reported.update(failures)
-                        finished += len(rows)
-                        advance(finished)
-                        check()
+                with Processes(count) as pool, sweep_bar(missing, check) as report:
+                    failed = run_missing(plan, store, pool, count, report)
         except KeyboardInterrupt:
             done = _done(plan, store)
             say(

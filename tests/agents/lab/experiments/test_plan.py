@@ -5,12 +5,13 @@ from typing import Any
 
 import pytest
 from helpers.command_line import Refused
-from helpers.sweeps import run_all
+from helpers.sweeps import Here, nothing
 
 from agents.errors import ParameterError
 from agents.lab.experiments import choices as plan_file
 from agents.lab.experiments.choices import MAX_BYTES, parse_flags, read_plan_file
 from agents.lab.experiments.plan import MAX_SEED, SweepPlan, make_plan
+from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.experiments.sweep import PRESETS
 from agents.lab.parameters import PARAMETERS
@@ -116,5 +117,5 @@ def test_a_preset_varies_a_parameter_with_a_question_and_can_be_run(
     assert varied
     assert all(PARAMETERS[each].question.endswith("?") for each in varied)
     with Store(tmp_path / "r.sqlite") as store:
-        run_all(plan, store)
+        run_missing(plan, store, Here(), 1, nothing)
         assert [store.count(case, plan.seeds) for case in plan.cases] == [1] * len(plan.cases)

@@ -2,13 +2,13 @@
 
 import pickle
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.sweeps import AGENT, Here, run_all, table
+from helpers.sweeps import AGENT, Here, nothing, table
 
 from agents.errors import WorkerError
 from agents.lab.experiments.case import run_task
@@ -21,6 +21,7 @@ from agents.lab.experiments.running import (
     run_missing,
 )
 from agents.lab.experiments.store import Store
+from agents.lab.trials.rows import Row
 from agents.lab.trials.workers import Processes
 
 PATH = Path("r.sqlite")
@@ -48,15 +49,21 @@ def run(
     executor: Executor, plan: SweepPlan = PLAN, workers: int = 2, path: Path = PATH
 ) -> list[Any]:
     with Store(path) as store:
-        run_all(plan, store, executor, workers)
+        run_missing(plan, store, executor, workers, nothing)
     return table(path)
 
 
 def failures_of(executor: Executor, plan: SweepPlan, workers: int = 1) -> list[str]:
     """Run a plan and return the messages of failures."""
+    messages: list[str] = []
+
+    def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+        messages.extend(failures)
+
     with Store(PATH) as store:
-        progress = list(run_missing(plan, store, executor, workers))
-    return [message for each in progress for message in each.failures]
+        failed = run_missing(plan, store, executor, workers, report)
+    assert failed.total() == len(messages)
+    return messages
 
 
 def seeds_done(plan: SweepPlan) -> list[set[int]]:
@@ -196,22 +203,29 @@ def test_rows_are_reported_once_after_they_are_stored() -> None:
     reported: list[int] = []
     plan = make_plan({}, 20, 0)
     with Store(PATH) as store, ThreadPoolExecutor(2) as executor:
-        for _, rows, _ in run_missing(plan, store, executor, 2):
+
+        def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
             reported.extend(row.seed for row in rows)
             assert store.count(plan.cases[0], plan.seeds) == len(reported)
+
+        run_missing(plan, store, executor, 2, report)
     assert sorted(reported) == list(range(20))
 
 
 def test_processes_end_without_warnings_while_tasks_are_waiting() -> None:
     stored = set[int]()
+
+    def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+        stored.update(row.seed for row in rows)
+        if 6 in stored and not rows:
+            raise KeyboardInterrupt
+
     # An error in a thread of the pool would be a warning, and that fails the test.
     sleeper = plan_of(act="__import__('time').sleep(60)").cases[1]
     plan = SweepPlan((sleeper,), 20, 0)
-    with Store(PATH) as store, Processes(1) as executor:
-        for _, rows, _ in run_missing(plan, store, executor, 20):
-            stored.update(row.seed for row in rows)
-            if 6 in stored and not rows:
-                break
+    with Store(PATH) as store, pytest.raises(KeyboardInterrupt):  # noqa: SIM117
+        with Processes(1) as executor:
+            run_missing(plan, store, executor, 20, report)
 
 
 def test_the_pace_grows_gradually_to_tasks_of_about_half_a_second() -> None:

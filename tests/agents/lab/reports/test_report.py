@@ -6,9 +6,10 @@ from typing import Any
 import pytest
 from helpers.command_line import Refused, Warehouse
 from helpers.results_files import experiment_of, fill, outcomes
-from helpers.sweeps import run_all
+from helpers.sweeps import Here, nothing
 
 from agents.lab.experiments.plan import make_plan
+from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.reports import page as page_module
 from agents.lab.reports import report
@@ -66,8 +67,13 @@ def test_the_page_is_written_even_if_the_output_is_closed(
 def test_each_outcome_is_replayed(tmp_path: Path, warehouse: Warehouse) -> None:
     results = tmp_path / "r.sqlite"
     with Store(results) as store:
-        choices = {"max_steps": 12, "battery": [2, 20], "stations": ["drawn", "kept"]}
-        run_all(make_plan(choices, 3, 0), store)
+        run_missing(
+            make_plan({"max_steps": 12, "battery": [2, 20], "stations": ["drawn", "kept"]}, 3, 0),
+            store,
+            Here(),
+            1,
+            nothing,
+        )
     assert warehouse("report", results).code == 0
     with Store(results, read_only=True) as store:
         modes = {mode for (mode,) in store.query("SELECT DISTINCT mode FROM episodes")}
