@@ -342,12 +342,13 @@ class Training:
     @property
     def options(self) -> dict[str, Any]:
         """Everything that determines the result of a training, bit by bit."""
-        layout = self.task.layout
+        layout, settings = self.task.layout, self.task._asdict()
+        settings.pop("view_radius", None)  # always the default, which older checkpoints do not name
         return {
             "training": self.name,
             "steps": self.steps,
             "seed": self.seed,
-            **self.task._asdict(),
+            **settings,
             "layout": layout.rows if isinstance(layout, Layout) else repr(layout),
             **installed_versions(),
         }
