@@ -267,46 +267,31 @@ def _legend_columns(labels: Sequence[str]) -> int:
     return max(int(WIDTH * LETTERS) // longest, 1)
 
 
-class AxisNames(NamedTuple):
-    """The names of values below an axis.
+class AxisNames:
+    """The names of values below an axis, at most ``MAX_TICKS`` of them.
 
     Names are upright if they do not fit side by side. Long names are shortened in the middle.
 
     Attributes:
-        names: Names of every ``step``-th value.
-        step: Number of values from one name to the next.
+        height: Height in inches that upright names need beyond a line.
     """
 
-    names: list[str]
-    step: int
-
-    @property
-    def is_upright(self) -> bool:
-        """Whether the names do not fit side by side."""
-        return sum(len(name) + 1 for name in self.names) > AXIS_LETTERS
-
-    @property
-    def height(self) -> float:
-        """Height in inches that upright names need beyond a line."""
-        return max(map(len, self.names)) / LETTERS if self.is_upright else 0.0
+    def __init__(self, values: Sequence[str]) -> None:
+        self._step, half = math.ceil(len(values) / MAX_TICKS), MAX_LETTERS // 2
+        self._names = [
+            name
+            if len(name) <= MAX_LETTERS
+            else f"{name[: half - 1]}\N{HORIZONTAL ELLIPSIS}{name[-half:]}"
+            for name in values[:: self._step]
+        ]
+        self._is_upright = sum(len(name) + 1 for name in self._names) > AXIS_LETTERS
+        self.height = max(map(len, self._names)) / LETTERS if self._is_upright else 0.0
 
     def write(self, axes: Axes, places: Sequence[float], label: str) -> None:
         """Write the names at their places below an axis, and the label of the axis."""
-        rotation = 90 if self.is_upright else 0
-        axes.set_xticks(places[:: self.step], self.names, rotation=rotation)
+        rotation = 90 if self._is_upright else 0
+        axes.set_xticks(places[:: self._step], self._names, rotation=rotation)
         axes.set_xlabel(label, **SMALL)
-
-
-def names_of(values: Sequence[str]) -> AxisNames:
-    """Return the names to write below an axis for some values."""
-    step, half = math.ceil(len(values) / MAX_TICKS), MAX_LETTERS // 2
-    names = [
-        name
-        if len(name) <= MAX_LETTERS
-        else f"{name[: half - 1]}\N{HORIZONTAL ELLIPSIS}{name[-half:]}"
-        for name in values[::step]
-    ]
-    return AxisNames(names, step)
 
 
 def name_panel(axes: Axes, *named: tuple[Factor | None, Value | None]) -> None:
@@ -334,7 +319,7 @@ def measure_figure(chart: DesignPoints, title: str, measure: ReportedMeasure) ->
     panels = list(dict.fromkeys(value for value, _ in lines))
     colors = list(dict.fromkeys(value for _, value in lines))
     labels = [f"{color.name} {shown(value)}" if color else "" for value in colors]
-    names = names_of([shown(value) for value in axis.values])
+    names = AxisNames([shown(value) for value in axis.values])
     figure, axes = make_panels(title, len(panels), labels if color else [], names)
     numeric = axis.is_numeric
     places = {v: float(v) if numeric else float(n) for n, v in enumerate(axis.values)}
@@ -449,7 +434,7 @@ def modes_figure(chart: DesignPoints, title: str) -> SceneFigure:
     everywhere = f"any {axis.name}" if axis else "all episodes"
     found = {value for line in chart.lines.values() for value in line}
     values = [value for value in (*(axis.values if axis else ()), None) if value in found]
-    names = names_of([everywhere if value is None else shown(value) for value in values])
+    names = AxisNames([everywhere if value is None else shown(value) for value in values])
     occurring = {mode for results in chart.points for mode in results.modes}
     keys = {mode: Patch(color=MODE_COLORS[mode]) for mode in MODE_COLORS if mode in occurring}
     figure, axes = make_panels(title, len(chart.lines), list(keys), names)
