@@ -51,9 +51,9 @@ def plain_animation(episode: Episode) -> FuncAnimation:
     return FuncAnimation(figure, show, frames=len(images), cache_frame_data=False)
 
 
-def test_a_gif_of_a_hundred_steps(times_faster, tmp_path):
-    episode = episode_of(STEPS)
-    assert episode.steps == STEPS
+def test_a_gif_of_two_hundred_steps(times_faster, tmp_path):
+    episode = episode_of(2 * STEPS)
+    assert episode.steps == 2 * STEPS
 
     def save_ours() -> None:
         replay_animation(episode, window=False).save(tmp_path / "ours.gif")
@@ -61,10 +61,7 @@ def test_a_gif_of_a_hundred_steps(times_faster, tmp_path):
     def save_plain() -> None:
         plain_animation(episode).save(tmp_path / "plain.gif", writer=PillowWriter(fps=7))
 
-    start = perf_counter()
-    save_ours()
-    assert perf_counter() - start < 5
-    assert times_faster(save_ours, save_plain, rounds=3) >= 1.0
+    assert times_faster(save_ours, save_plain, rounds=1) >= 4.0
 
 
 def test_a_gif_of_a_physics_episode_is_small_in_memory(measured, tmp_path):

@@ -122,9 +122,15 @@ with a side above ``MAX_SAMPLED`` pixels have half as many, which takes a quarte
 @cache
 def atlas(tile_pixels: int) -> Pixels:
     """Return the pictures of all ``CELLS``, ``[N, T, T, 3]``, as a read-only array."""
-    tiles = np.stack([_draw_cell(tile, robot, tile_pixels) for tile, robot in CELLS])
+    tiles = np.stack([tile_of(code, tile_pixels) for code in range(len(CELLS))])
     tiles.setflags(write=False)
     return tiles
+
+
+@cache
+def tile_of(code: int, tile_pixels: int) -> Pixels:
+    """Return the picture of one of the ``CELLS``, ``[T, T, 3]``."""
+    return _draw_cell(*CELLS[code], tile_pixels)
 
 
 def noses(tile_pixels: int) -> NDArray[np.bool_]:

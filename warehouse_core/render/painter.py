@@ -25,6 +25,7 @@ from warehouse_core.render.atlas import (
     atlas,
     color_bytes,
     noses,
+    tile_of,
 )
 from warehouse_core.render.palette import BATTERY, FAINT, INK, Color
 from warehouse_core.world.layout import Layout
@@ -172,6 +173,15 @@ def codes_of(rows: Sequence[str], slippery: Iterable[Cell] = ()) -> NDArray[np.u
         if is_wall[place]:
             codes[place] = CODES[WALL, corner]
     return codes
+
+
+def paint_once(codes: NDArray[np.uint8], tile_pixels: int) -> Pixels:
+    """Return the same picture as a ``TilePainter``, but draw only the tiles that it has."""
+    height, width = codes.shape
+    used, places = np.unique(codes, return_inverse=True)
+    tiles = np.stack([tile_of(code, tile_pixels) for code in used.tolist()])
+    painted: Pixels = tiles[places.reshape(codes.shape)].swapaxes(1, 2)
+    return painted.reshape(height * tile_pixels, width * tile_pixels, 3)
 
 
 def bar(share: float, width: int, height: int, color: Color = BATTERY) -> Pixels:

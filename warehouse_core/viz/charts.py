@@ -12,12 +12,8 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Rectangle
-from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
-from matplotlib.transforms import IdentityTransform
 
 from warehouse_core.render.palette import (
     BATTERY,
@@ -30,7 +26,9 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.axes.look import SMALLEST
-from warehouse_core.viz.figure import LineOfText, SceneFigure
+from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.viz.line_of_text import LineOfText
+from warehouse_core.viz.shapes import BAR, Shape, Shapes, line_width, lines, polygons
 from warehouse_core.viz.tracks.series import Series, SeriesKind, series_of
 from warehouse_core.viz.tracks.track import Track
 
@@ -109,7 +107,8 @@ class Chart:
             axes.plot([], [], color=color_named(each.color), **style)[0]
             for each, (_, style) in zip(series, looks, strict=True)
         ]
-        self._curtain = Curtain(zorder=3)
+        self._curtain = Shapes(zorder=3)
+        self._shown: tuple[float, float, float] | None = None
         for line in self._lines:
             figure.add_mover(line)
         figure.add_movers(axes, self._curtain)
@@ -123,41 +122,16 @@ class Chart:
 
     def show(self, time: float) -> None:
         """Make the part after a time pale."""
-        self._curtain.show(time)
-
-
-class Curtain(Artist):
-    """A pale layer over the part of a chart after a time, and a line at the time."""
-
-    def __init__(self, *, zorder: float) -> None:
-        super().__init__()
-        self.set_zorder(zorder)
-        self._time, self._column = 0.0, -1
-
-    def show(self, time: float) -> None:
-        """Move to a time. Nothing is drawn again while the line is in the same column of pixels."""
-        assert self.axes is not None, "a curtain is in axes"
         column = round(self.axes.transData.transform((time, 0))[0])
-        self._time, before, self._column = time, self._column, column
-        self.stale = self.stale or column != before
-
-    def draw(self, renderer: Any) -> None:
-        """Draw the layer and the line."""
-        assert self.axes is not None, "a curtain is in axes"
-        box, to_pixels = self.axes.bbox, IdentityTransform()
-        x = self.axes.transData.transform((self._time, 0))[0]
-        style = renderer.new_gc()
-        style.set_clip_rectangle(box)
-        style.set_linewidth(0)
-        style.set_alpha(VEIL)
-        veil = Path([(x, box.y0), (box.x1, box.y0), (box.x1, box.y1), (x, box.y1), (x, box.y0)])
-        renderer.draw_path(style, veil, to_pixels, PAPER)
-        style.set_alpha(1.0)
-        style.set_foreground(INK)
-        style.set_linewidth(0.8)
-        renderer.draw_path(style, Path([(x, box.y0), (x, box.y1)]), to_pixels)
-        style.restore()
-        self.stale = False
+        low, high = self.axes.get_ylim()
+        if self._shown == (column, low, high):
+            return
+        self._shown = column, low, high
+        end = self.axes.get_xlim()[1]
+        veil = polygons([[(time, low), (end, low), (end, high), (time, high)]])
+        cursor = lines([[(time, low), (time, high)]])
+        width = line_width(self.axes, 0.8)
+        self._curtain.show([Shape(veil, PAPER, alpha=VEIL), Shape(cursor, None, INK, width)])
 
 
 def in_time(steps: float) -> str:
@@ -186,13 +160,12 @@ class BatteryBar:
     """A short bar with the battery level as text. When low, the bar is red and the text warns."""
 
     def __init__(self, figure: SceneFigure, axes: Axes) -> None:
+        self._axes = axes
         axes.set(xlim=(0, 1 / BAR_SHARE), ylim=(0, 1))
         axes.set_axis_off()
-        self._paper = Rectangle((0, 0.2), 1, 0.6, linewidth=0.8, edgecolor=INK, facecolor=PAPER)
-        self._bar = Rectangle((0, 0.2), 1, 0.6, linewidth=0)
-        figure.add_movers(axes, self._paper, self._bar)
-        self._text = LineOfText(1.06, 0.47, va="center", fontsize=8.5, color=INK, parse_math=False)
-        figure.add_movers(axes, self._text)
+        self._bar = Shapes()
+        self._text = LineOfText(1.06, 0.47, va="center", color=INK, parse_math=False)
+        figure.add_movers(axes, self._bar, self._text)
         self._level: float | None = None
 
     def show(self, track: Track, frame: int) -> None:
@@ -204,8 +177,10 @@ class BatteryBar:
         known = not math.isnan(level)
         share = min(1.0, max(0.0, level / track.full_battery)) if known else 0.0
         low = known and share < WARNING_SHARE
-        self._paper.set(facecolor=PALE_WARNING if low else PAPER, linewidth=1.6 if low else 0.8)
-        self._bar.set(width=share, facecolor=WARNING if low else BATTERY)
+        rim = line_width(self._axes, 1.6 if low else 0.8)
+        whole, filled = (polygons([BAR * (width, 0.6) + (0, 0.2)]) for width in (1, share))
+        paper, color = (PALE_WARNING, WARNING) if low else (PAPER, BATTERY)
+        self._bar.show([Shape(whole, paper, INK, rim), Shape(filled, color)])
         warning = "" if not low else "  EMPTY!" if share == 0 else "  LOW!"
         units = f"{level:.10g} of {track.full_battery:.10g}" if known else "unknown"
         self._text.set(

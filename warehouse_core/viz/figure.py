@@ -9,11 +9,9 @@ are drawn only once, into a layer.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
-from functools import cache
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import IO, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -21,21 +19,16 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import DrawEvent
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.text import Text
-from matplotlib.transforms import Bbox
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
 from warehouse_core.viz.axes.look import POINTS
 from warehouse_core.viz.export.gif_writer import ColorValues
+from warehouse_core.viz.line_of_text import LineOfText
 
 DPI = 100
 """Pixels in an inch."""
-
-INSET = 2
-"""Pixels before and after a line of text, into which its letters may reach."""
 
 AROUND_AXES, AROUND_TEXT = 8.0, 3.0
 """Margins in points around axes and around a text, into which their movers may draw."""
@@ -131,8 +124,9 @@ class SceneFigure(Figure):
         self, renderer: Any, canvas: ColorValues, part: Part, movers: list[Artist]
     ) -> PixelBox:
         """Redraw the area of a part before and after the change; ignore anything drawn outside."""
-        now = self._box_of(movers[0], renderer)
-        box = around([now, self._boxes.get(part, now)])
+        before, is_axes = self._boxes.get(part), movers[0].axes is not None
+        now = before if before and is_axes else self._box_of(movers[0], renderer)
+        box = around([now, before or now])
         area = slice(*box[:2]), slice(*box[2:])
         still = next((number for number, mover in enumerate(movers) if mover.stale), 0)
         layer = self._layers.get(part)
@@ -191,67 +185,6 @@ def around(boxes: Iterable[PixelBox]) -> PixelBox:
     """Return the smallest box that contains all of the boxes."""
     tops, bottoms, lefts, rights = zip(*boxes, strict=True)
     return min(tops), max(bottoms), min(lefts), max(rights)
-
-
-class LineOfText(Text):
-    """A line of text that Pillow draws into pixels, several times faster than matplotlib.
-
-    Matplotlib draws several lines, letters outside ASCII, and everything that is not pixels.
-    """
-
-    def draw(self, renderer: Any) -> None:
-        """Draw the text."""
-        if not self._is_quick(renderer):
-            super().draw(renderer)
-            return
-        font, left, top, (width, height) = self._placed(renderer)
-        mask = Image.new("L", (width, height))
-        ImageDraw.Draw(mask).text((INSET, font.above), self.get_text(), 255, font.pillow)
-        canvas = np.asarray(renderer.buffer_rgba())
-        area = canvas[max(top, 0) : max(top + height, 0), max(left, 0) : max(left + width, 0), :3]
-        share = np.asarray(mask)[max(-top, 0) :, max(-left, 0) :][: len(area), : area.shape[1]]
-        color = 255 * np.array(to_rgb(self.get_color()), np.float32)
-        area[:] = np.rint(area + (color - area) * (share[..., None] / np.float32(255)))
-        self.stale = False
-
-    def get_window_extent(self, renderer: Any = None, dpi: float | None = None) -> Bbox:
-        """Return the box around the text, in pixels from the bottom left corner."""
-        if dpi is not None or not self._is_quick(renderer):
-            return super().get_window_extent(renderer, dpi)
-        _, left, top, (width, height) = self._placed(renderer)
-        return Bbox.from_bounds(left, renderer.height - top - height, width, height)
-
-    def _is_quick(self, renderer: Any) -> bool:
-        words, is_raster = self.get_text(), isinstance(renderer, RendererAgg)
-        return is_raster and words.isascii() and words.isprintable() and words != ""
-
-    def _placed(self, renderer: Any) -> tuple[LineFont, int, int, tuple[int, int]]:
-        """Return the font, and the left, the top and the size of the text in pixels."""
-        font = font_of(self.get_fontweight(), renderer.points_to_pixels(self.get_fontsize()))
-        length = font.pillow.getlength(self.get_text())
-        x, y = self.get_transform().transform(self.get_position())
-        before = {"left": 0.0, "center": 0.5, "right": 1.0}[self.get_horizontalalignment()]
-        above = {"center": 0.5, "top": 0.0}[self.get_verticalalignment()]
-        left = round(x - before * length) - INSET
-        top = round(renderer.height - y - above * font.height)
-        return font, left, top, (math.ceil(length) + 2 * INSET, font.height)
-
-
-class LineFont(NamedTuple):
-    """A font of Pillow, and the space above and the height of its lines in pixels."""
-
-    pillow: ImageFont.FreeTypeFont
-    above: int
-    height: int
-
-
-@cache
-def font_of(weight: str | int, pixels: float) -> LineFont:
-    """Return the font of matplotlib with a weight and a size."""
-    path = findfont(FontProperties(weight=weight))
-    font = ImageFont.truetype(path, pixels, layout_engine=ImageFont.Layout.BASIC)
-    _, above, _, below = font.getbbox("lp")
-    return LineFont(font, -math.floor(above), math.ceil(below - above))
 
 
 def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:

@@ -10,21 +10,17 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
-from functools import cache
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.font_manager import FontProperties
 from matplotlib.path import Path
-from matplotlib.textpath import TextPath
-from matplotlib.transforms import Affine2D
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from PIL import Image
 
-from warehouse_core.render.painter import MAX_TILE_PIXELS, TilePainter, codes_of
+from warehouse_core.render.painter import MAX_TILE_PIXELS, codes_of, paint_once
 from warehouse_core.render.palette import (
     BATTERY,
     BRAKE,
@@ -50,6 +46,22 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.viz.shapes import (
+    BAR,
+    CIRCLE,
+    DOTS,
+    SQUARE,
+    Shape,
+    Shapes,
+    cell_of,
+    glyphs,
+    joined,
+    lines,
+    outlined,
+    polygons,
+    stamped,
+    written,
+)
 from warehouse_core.viz.tracks.history import History, skids_of
 from warehouse_core.viz.tracks.track import (
     FleetFrame,
@@ -97,16 +109,11 @@ FRAMES_APART = 3
 FADE_STEPS, MAX_FADE = 20, 0.75
 """Number of steps over which a plan fades, and the final share of the floor's colour in it."""
 
-WEAK_MOTOR, DASHES, DOTS, GHOST = (1.4, 1.0), (2.5, 1.5), (0.01, 1.6), (3.0, 2.0)
+WEAK_MOTOR, DASHES, GHOST = (1.4, 1.0), (2.5, 1.5), (3.0, 2.0)
 """Dash patterns, in multiples of the line width: around a robot with weak motors, of the trail of a
-loaded robot, of the unplanned rest of a path, and around a ghost."""
+loaded robot, and around a ghost."""
 
 LATE = len(ORDER_COLORS) - 1
-
-SQUARE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
-BAR = SQUARE + 0.5
-CIRCLE = np.array([(math.cos(turn), math.sin(turn)) for turn in np.linspace(0, 2 * math.pi, 33)])
-"""Shapes with a side or radius of 1 around 0, 0, except for the bar, whose corner is at 0, 0."""
 
 STAR, DIAMOND, NOSE, ARROW, HEAD = (
     np.array(LOOK["shapes"][key]) for key in ("hit", "H", "nose", "push", "arrow")
@@ -117,49 +124,6 @@ CHASSIS, FRONT, TYRE, LAMP = (
 STAR_RADIUS = float(np.abs(STAR).max())
 
 Points = NDArray[np.float64]
-
-
-class Shape(NamedTuple):
-    """A path in units of cells, with an optional filling and an optional line around it.
-
-    The ``width`` of the line is in cells, and its ``dashes`` are in multiples of the width.
-    """
-
-    path: Path
-    fill: Color | None = None
-    line: Color | None = None
-    width: float = 0.0
-    dashes: Sequence[float] = ()
-    alpha: float = 1.0
-
-
-class Shapes(Artist):
-    """An artist that draws shapes in their order, in axes whose unit is a cell."""
-
-    shapes: Sequence[Shape] = ()
-
-    def show(self, shapes: Iterable[Shape]) -> None:
-        """Draw these shapes from now on."""
-        self.shapes = [shape for shape in shapes if np.size(shape.path.vertices)]
-        self.stale = True
-
-    def draw(self, renderer: Any) -> None:
-        """Draw the shapes."""
-        if not self.get_visible():
-            return
-        assert self.axes is not None, "shapes are in axes"
-        to_pixels, cell = self.axes.transData, cell_of(self.axes)
-        for path, fill, line, width, dashes, alpha in self.shapes:
-            style = renderer.new_gc()
-            style.set_linewidth(width * cell if line else 0)
-            style.set_foreground(line or INK)
-            style.set_joinstyle("round")
-            style.set_capstyle("round" if dashes == DOTS else "butt")
-            if dashes:
-                style.set_dashes(0, [dash * width * cell for dash in dashes])
-            renderer.draw_path(style, path, to_pixels, (*fill, alpha) if fill else None)
-            style.restore()
-        self.stale = False
 
 
 class Tiles(Artist):
@@ -180,7 +144,7 @@ class Tiles(Artist):
         box, enlarged = axes.bbox, renderer.get_image_magnification()
         cell = cell_of(axes) * enlarged
         side = min(max(math.ceil(cell - 0.01), 2), MAX_TILE_PIXELS)
-        pixels = TilePainter(side).paint(codes_of(self.rows, self.slippery))
+        pixels = paint_once(codes_of(self.rows, self.slippery), side)
         width, height = (max(1, round(length * enlarged)) for length in (box.width, box.height))
         cut = axes.get_xlim()[0] * side
         if abs(side - cell) * pixels.shape[1] / side < 1:
@@ -195,65 +159,6 @@ class Tiles(Artist):
         rows = np.asarray(image.convert("RGBA"))[::-1]
         renderer.draw_image(renderer.new_gc(), round(box.x0), round(box.y0), rows)
         self.stale = False
-
-
-def cell_of(axes: Any) -> float:
-    """Return the side of a cell of axes, in pixels."""
-    left, right = axes.get_xlim()
-    return float(axes.bbox.width / (right - left))
-
-
-def stamped(shape: ArrayLike, places: ArrayLike) -> Path:
-    """Return one path with copies of a polygon ``[N, 2]`` at the positions ``[K, 2]``."""
-    return polygons(np.asarray(places, float).reshape(-1, 1, 2) + np.asarray(shape))
-
-
-def polygons(corners: ArrayLike) -> Path:
-    """Return one path with closed polygons of the same number of corners, ``[K, N, 2]``."""
-    each = np.asarray(corners, float)
-    count, points, _ = each.shape if each.size else (0, 0, 2)
-    codes = np.full((count, points + 1), Path.LINETO, np.uint8)
-    codes[:, :1], codes[:, -1:] = Path.MOVETO, Path.CLOSEPOLY
-    closed = np.concatenate([each, each[:, :1]], axis=1) if count else each
-    return Path(closed.reshape(-1, 2), codes.reshape(-1))
-
-
-def lines(routes: Iterable[Sequence[Point]]) -> Path:
-    """Return one path with a line through the points of each route."""
-    known = [route for route in routes if len(route)]
-    codes = [
-        Path.MOVETO if number == 0 else Path.LINETO
-        for route in known
-        for number in range(len(route))
-    ]
-    return Path(np.array([point for route in known for point in route]).reshape(-1, 2), codes)
-
-
-@cache
-def glyphs(text: str) -> tuple[Path, float]:
-    """Return the outline of bold text of font size 1, centred at 0, 0, and its width."""
-    path = TextPath((0, 0), text, size=1, prop=FontProperties(weight="bold"))
-    box = path.get_extents()
-    centred = Affine2D().translate(-(box.x0 + box.x1) / 2, -(box.y0 + box.y1) / 2).scale(1, -1)
-    return path.transformed(centred), box.width
-
-
-def written(text: str, size: float, at: ArrayLike) -> Path:
-    """Return the outline of bold text centred at a position; ``size`` is in cells."""
-    path, _ = glyphs(text)
-    return Path(size * np.asarray(path.vertices) + np.asarray(at), path.codes)
-
-
-def joined(paths: Iterable[Path]) -> Path:
-    """Return one path that consists of all paths."""
-    return Path.make_compound_path(*paths)
-
-
-def outlined(path: Path, size: float, color: Color = PAPER) -> Iterator[Shape]:
-    """Yield light letters with a dark line around them, or dark letters without a line."""
-    if color != INK:
-        yield Shape(path, None, INK, WIDTHS["letter"] * size)
-    yield Shape(path, color)
 
 
 class View:

@@ -18,7 +18,14 @@ from warehouse_core.render.atlas import (
     WAITING_ITEM,
     atlas,
 )
-from warehouse_core.render.painter import TilePainter, bar, codes_of, layout_codes, tile_pixels_for
+from warehouse_core.render.painter import (
+    TilePainter,
+    bar,
+    codes_of,
+    layout_codes,
+    paint_once,
+    tile_pixels_for,
+)
 from warehouse_core.render.palette import (
     BATTERY,
     COLORS,
@@ -124,6 +131,7 @@ def test_each_tile_is_where_its_code_is() -> None:
             *batch, row, col = place
             rows, columns = (slice(at * side, (at + 1) * side) for at in (row, col))
             assert np.array_equal(pictures[*batch, rows, columns], atlas(side)[codes[place]])
+        assert np.array_equal(paint_once(codes[1, 0], side), pictures[1, 0])
 
 
 @pytest.mark.parametrize("side", [2, 16, 40])

@@ -51,17 +51,16 @@ class GifWriter:
             header, _ = GifImagePlugin.getheader(image, info={"loop": 0})
             self._file.write(b"".join(header))
         else:
-            parts = [self._part(colors, *box) for box in changed or [(0, 1, 0, 1)]]
-            top = min(rows.start for rows, _, _ in parts)
-            left = min(columns.start for _, columns, _ in parts)
-            height = max(rows.stop for rows, _, _ in parts) - top
-            width = max(columns.stop for _, columns, _ in parts) - left
-            indices = np.full((height, width), self._unchanged, np.uint8)
-            for rows, columns, piece in parts:
-                area = indices[rows.start - top :, columns.start - left :]
-                area = area[: len(piece), : piece.shape[1]]
-                area[:] = np.where(piece == self._unchanged, area, piece)
-            image = Image.fromarray(indices)
+            indices = np.full(colors.shape, self._unchanged, np.uint8)
+            for box in changed:
+                area = slice(*box[:2]), slice(*box[2:])
+                new, differs = colors[area], colors[area] != self._last[area]
+                indices[area][differs] = self._indices_of(new[differs])
+                self._last[area] = new
+            is_new = indices != self._unchanged
+            rows, columns = _extent(is_new.any(axis=1)), _extent(is_new.any(axis=0))
+            top, left = rows.start, columns.start
+            image = Image.fromarray(indices[rows, columns])
         self._write(self._frame_ms)
         self._pending = image, (left, top)
 
@@ -70,34 +69,16 @@ class GifWriter:
         self._write(LAST_FRAME_MS)
         self._file.write(b";")
 
-    def _part(
-        self, colors: NDArray[np.uint32], top: int, bottom: int, left: int, right: int
-    ) -> tuple[slice, slice, ColorValues]:
-        """Return the rows and columns of a box that have changed, and the indices of its colours.
-
-        The last frame takes over the colours, so that the next box may overlap this one.
-        """
-        assert self._last is not None, "this is not the first frame"
-        differs = colors[top:bottom, left:right] != self._last[top:bottom, left:right]
-        rows, columns = _extent(differs.any(axis=1)), _extent(differs.any(axis=0))
-        differs = differs[rows, columns]  # empty if the box is
-        top, left = top + rows.start, left + columns.start
-        rows, columns = slice(top, top + len(differs)), slice(left, left + differs.shape[1])
-        indices = np.full(differs.shape, self._unchanged, np.uint8)
-        indices[differs] = self._indices_of(colors[rows, columns][differs])
-        self._last[rows, columns] = colors[rows, columns]
-        return rows, columns, indices
-
     def _indices_of(self, colors: NDArray[np.uint32]) -> ColorValues:
         """Return the indices of colours in the palette. Each colour is looked up only once."""
         rgb = colors & MAX_COLOR
-        found: ColorValues = self._known[rgb]
+        found: ColorValues = self._known.take(rgb)
         missing = found == self._unchanged
         if missing.any():
             new = np.array(sorted({*rgb[missing].tolist()}), "<u4")
             parts = new.view(np.uint8).reshape(1, -1, 4)[..., :3]
             self._known[new] = np.asarray(indexed(Image.fromarray(np.ascontiguousarray(parts))))[0]
-            found = self._known[rgb]
+            found = self._known.take(rgb)
         return found
 
     def _write(self, duration: int) -> None:
