@@ -85,6 +85,15 @@ def delay(routes: Paths, fields: Table, robot: int) -> int:
 
 
 @kernel
+def delay_of_all(routes: Paths, fields: Table) -> int:
+    """Return how much more the paths of all robots cost than their cheapest paths."""
+    whole = 0
+    for robot in range(len(routes.costs)):
+        whole += delay(routes, fields, robot)
+    return whole
+
+
+@kernel
 def late_robot(routes: Paths, groups: Groups, fields: Table) -> int:
     """Return the most delayed of eight random robots."""
     robots, random = len(routes.costs), groups.random
@@ -254,9 +263,12 @@ def improve_until(
     floor: Places, routes: Paths, frontier: Frontier, groups: Groups, fields: Table,
     deadline: float, trials: float,
 ) -> int:  # fmt: skip
-    """Replan ``trials`` groups or stop at a ``perf_counter`` deadline; return the number."""
+    """Replan ``trials`` groups or stop at a ``perf_counter`` deadline; return the number.
+
+    It stops at once when no robot is late, because no plan is better then.
+    """
     tried = 0
-    while tried < trials and perf_counter() < deadline:
+    while tried < trials and perf_counter() < deadline and delay_of_all(routes, fields):
         number = int(min(PORTION, trials - tried))
         improve(floor, routes, frontier, groups, fields, number)
         tried += number

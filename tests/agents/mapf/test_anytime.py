@@ -1,5 +1,8 @@
 """Anytime plans: valid, repeatable with a number of trials, and proved for small teams."""
 
+from dataclasses import replace
+from math import inf
+
 import pytest
 from helpers.mapf_problems import problem_of, random_problem, random_problems
 from helpers.mapf_runs import check_solver
@@ -10,6 +13,7 @@ from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.graph import Graph
 from agents.mapf.lacam import lacam, lacam_star
+from agents.mapf.lns import Refinement
 from agents.mapf.problem import Problem
 from warehouse_core import Layout, random_layout
 
@@ -30,6 +34,16 @@ def test_trials_make_a_plan_cheaper_and_are_repeated() -> None:
     plans = [solve_anytime(problem, HOUR, trials=60) for _ in range(2)]
     assert plans[0].cells.tolist() == plans[1].cells.tolist()
     assert plans[0].sum_of_costs < 0.9 * first.sum_of_costs
+
+
+@pytest.mark.parametrize("headings", [None, (0,) * 8])
+def test_a_plan_in_which_no_robot_is_late_is_not_replanned(headings) -> None:
+    problem = random_problem(Layout(["." * 16] * 16), 8, seed=1)
+    problem = replace(problem, headings=headings)
+    refinement = Refinement(problem, lacam(problem, HOUR))
+    assert refinement.run(inf, trials=500) < 500
+    assert refinement.plan().sum_of_costs == problem.lower_bound
+    assert refinement.run(inf, trials=500) == 0
 
 
 def test_guidance_by_traffic_makes_the_first_plan_of_a_crowded_floor_cheaper() -> None:

@@ -26,10 +26,10 @@ def test_few_fields_are_kept_and_robots_reach_almost_as_many_goals(
 ) -> None:
     graph = Graph(LAYOUT)
     planner = kind(graph)
-    found = run_lifelong(graph, planner, robots=80, steps=150, seed=1)
+    found = run_lifelong(graph, planner, robots=60, steps=60, seed=1)
     assert len(planner.fields.matrix) <= ROWS
     monkeypatch.setattr(module, "MAX_BYTES", 10**9)
-    exact = run_lifelong(graph, kind(graph), robots=80, steps=150, seed=1)
+    exact = run_lifelong(graph, kind(graph), robots=60, steps=60, seed=1)
     assert found.reached >= 0.85 * exact.reached
 
 
