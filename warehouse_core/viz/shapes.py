@@ -19,6 +19,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike
 
 from warehouse_core.render.palette import INK, LOOK, PAPER, Color
+from warehouse_core.viz.axes.look import POINTS
 from warehouse_core.viz.tracks.track import Point
 
 DOTS = (0.01, 1.6)
@@ -62,7 +63,8 @@ class Shapes(Artist):
         if not self.get_visible():
             return
         assert self.axes is not None, "shapes are in axes"
-        to_pixels, cell = self.axes.transData, cell_of(self.axes)
+        # Renderers draw paths in pixels, but the widths of lines in points.
+        to_pixels, cell = self.axes.transData, cell_of(self.axes) / renderer.points_to_pixels(1.0)
         for path, fill, line, width, dashes, alpha in self.shapes:
             style = renderer.new_gc()
             style.set_linewidth(width * cell if line else 0)
@@ -83,8 +85,8 @@ def cell_of(axes: Any) -> float:
 
 
 def line_width(axes: Any, points: float) -> float:
-    """Return the width of a shape's line that renderers draw with a width in points."""
-    return points / cell_of(axes)
+    """Return the width of a line with this number of points, in units of the axes."""
+    return float(points * axes.figure.dpi / POINTS / cell_of(axes))
 
 
 def stamped(shape: ArrayLike, places: ArrayLike) -> Path:

@@ -24,6 +24,7 @@ from warehouse_core.render.palette import (
     WARNING,
 )
 from warehouse_core.viz.figure import make_figure
+from warehouse_core.viz.shapes import DOTS, Shape, Shapes, lines
 from warehouse_core.viz.tracks.track import (
     DrawnHit,
     FleetFrame,
@@ -33,7 +34,7 @@ from warehouse_core.viz.tracks.track import (
     Push,
     Track,
 )
-from warehouse_core.viz.view import DOTS, GHOST, View
+from warehouse_core.viz.view import GHOST, View
 
 FLOOR = ("......",) * 5
 EAST, NORTH = 0.0, -math.pi / 2
@@ -303,3 +304,14 @@ def test_a_search_has_marks_up_to_its_clock_a_path_and_its_ends() -> None:
         ] * 2
         discs = middles(shapes(view, fill=PAPER, line=INK))
         assert discs == [pytest.approx(each) for each in way]
+
+
+def test_a_line_has_its_width_in_cells_also_in_pixels() -> None:
+    figure = make_figure((2, 1))
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set(xlim=(0, 4), ylim=(2, 0))
+    axes.set_axis_off()
+    line = Shapes()
+    axes.add_artist(line)
+    line.show([Shape(lines([[(0, 1), (4, 1)]]), None, INK, 0.2)])
+    assert (figure.rgba()[:, 100, 0] < 128).sum() == 0.2 * 50
