@@ -180,7 +180,8 @@ def test_a_line_of_text_is_where_matplotlib_would_write_it(size: int, style: dic
     inked = [np.argwhere(figure.rgba()[..., 0] < 128) for figure in figures]
     for edge in (np.min, np.max):
         ours, theirs = (edge(each, axis=0) for each in inked)
-        assert abs(ours - theirs).max() <= 2
+        # Versions of matplotlib space small letters differently; this is half of a letter.
+        assert abs(ours - theirs).max() <= 4
     assert len(inked[0]) == pytest.approx(len(inked[1]), rel=0.25)
 
 
