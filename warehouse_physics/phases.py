@@ -4,8 +4,8 @@ A robot at rest sets off and goes for a time that is known when it sets off. The
 should stand, the table says what it does next, depending on where it stands and what it has met. A
 robot with wheels turns first, if it would otherwise miss its target, and brakes after the turn too.
 
-A hit that is in the way makes a robot brake in any phase. Robots that are held, and robots at rest
-that others push, leave their phases in ``giving_way.py``.
+A hit with something that blocks a robot makes it brake in any phase. Robots that are held, and
+robots at rest that others push, leave their phases in ``giving_way.py``.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ DUE, ROLLS, LATE, THERE, MET, OFF = range(6)
 
 ``DUE``: the time of the phase is over. The others are for a robot that should stand by now.
 ``ROLLS``: it still moves. ``LATE``: the time for its action is over. ``THERE``: it is at its
-target. ``MET``: it is not there, and others are in the way. ``OFF``: it is not there, and may try
-again."""
+target. ``MET``: it is not there, and other robots may block it. ``OFF``: it is not there, and may
+try again."""
 
 NEXT = {
     (GO, DUE): BRAKE,

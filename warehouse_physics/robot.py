@@ -14,8 +14,8 @@ which is ``floor_drag * m * g`` newtons. To accelerate at ``a`` m/s² the motor 
 *A drive* has phases; see ``phases.py``. The robot is commanded a velocity while it goes and 0 while
 it brakes. ``profile.py`` calculates the velocity and the duration of both, so that the robot stops
 at its target. At rest the robot compares its position with the target, and drives again if it has
-not arrived. After a hit with something that is in the way it brakes and gives up. Its new target is
-then the middle of the cell in which it began.
+not arrived. After a hit with something that blocks it, the robot brakes and gives up. Its new
+target is then the middle of the cell in which it began.
 
 *Work* is counted from one phase to the next; see ``energy.py``.
 """
@@ -268,7 +268,7 @@ class Robot:
 
     def restore_braking(self) -> None:
         """Brake with the normal force again, after a drive with the full force of the motor."""
-        self._braking_force = forces(self._mass, self._acceleration, self._nominal_drag)[1]
+        self._brake_normally()
         self._push(self._braking_force)
 
     def rest(self, now: int) -> None:
@@ -398,6 +398,10 @@ class Robot:
         self._push(self._braking_force)
         self.phase, self.until = BRAKE, now + substeps
 
+    def _brake_normally(self) -> None:
+        """Set the force with which the motor brakes to the normal one."""
+        self._braking_force = forces(self._mass, self._acceleration, self._nominal_drag)[1]
+
     def _braking_from(self, speed: float) -> int:
         deceleration = max(self._acceleration, self._spec.floor_deceleration)
         return braking(speed, deceleration, self._spec.time_step)
@@ -449,9 +453,7 @@ class Robot:
         if self.phase not in (GO, BRAKE):
             return 0.0
         work = self._book.until(*self._reading(self.velocity, self._lead), self._drag)
-        if self.phase == GO:
-            return work if work > 0 else 0.0
-        return -regained(self._spec, work)
+        return spent(work) if self.phase == GO else -regained(self._spec, work)
 
     def _reading(self, velocity: Position, lead: float) -> tuple[Position, float]:
         """Return a reading for the book: a position in metres and the kinetic energy in J.
@@ -494,7 +496,7 @@ class Robot:
         self._drag = self._nominal_drag = self._spec.drag_force(loaded)
         self.body.mass = self._mass = self._spec.total_mass(loaded)
         self.body.moment = pymunk.moment_for_circle(self._mass, 0.0, self._spec.radius)
-        self._braking_force = forces(self._mass, acceleration, self._drag)[1]
+        self._brake_normally()
         if self._conditions is not None:
             self._drag *= self._conditions.drag_factor(self._floor_cell)
         self._floor.max_force = self._drag

@@ -1,10 +1,10 @@
 """Charging schedule: which robot charges at which charger, and when.
 
-Each charger has one robot that charges there or is on its way. At most one more robot is next, and
-waits some cells away so that it does not block the robot that leaves. Robots on their way that are
-still far away get turns anew in each step, so that a charger does not wait for a blocked robot.
-Robots without a turn that are pushed across a charger do not charge there, and no robot waits for
-them.
+At each charger, one robot has a turn: it charges there or drives there. At most one more robot is
+next, and waits some cells away so that it does not block the robot that leaves. The turns of robots
+that are still far from their chargers are given anew in each step, so that a charger does not wait
+for a blocked robot. Robots without a turn that are pushed across a charger do not charge there, and
+no robot waits for them.
 """
 
 from __future__ import annotations

@@ -156,7 +156,6 @@ class DriveBodies:
         sizes = [min(ROWS_OF_A_SPACE, rows - start) for start in first]
         corners = [corners_of([layout] * size, spec.cell_size) for size in sizes]
         self.corners = np.concatenate(corners)
-        self._shifts = self.corners.T.copy()
         self.arenas = [
             DriveArena(spec, layout, start, places, is_alone=rows == 1)
             for start, places in zip(first, corners, strict=True)
@@ -187,7 +186,7 @@ class DriveBodies:
         """Return where the robots are, relative to their warehouses, and how they move."""
         parts = [arena.read() for arena in self.arenas]
         seen = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
-        seen[:2] -= self._shifts
+        seen[:2] -= self.corners.T
         return BodyState(seen[:2].T, seen[2], seen[3:5].T, seen[5])
 
     def step(self, push: Thrust) -> list[Bump]:

@@ -32,7 +32,7 @@ import numpy as np
 
 from warehouse_core.arguments import one_of
 from warehouse_physics.energy import paid
-from warehouse_physics.profile import Floats
+from warehouse_physics.profile import Floats, lengths_of
 from warehouse_physics.spec import RobotSpec
 
 VELOCITY, WHEELS, FORCE = "velocity", "wheels", "force"
@@ -157,7 +157,7 @@ class OmnidirectionalDrive(Drive):
             motors = _at_most(commands, loads.motors)
             drag = self._drag(velocities, motors, masses, drags)
             # No motor drives a robot faster than its top speed.
-            fastest = np.maximum(_divisors(velocities), spec.top_speed)
+            fastest = np.maximum(lengths_of(velocities.T), spec.top_speed)
             after = _at_most(velocities + (motors - drag) / masses, fastest)
             motors = masses * (after - velocities) + drag
         else:
@@ -340,8 +340,8 @@ def _directions(vectors: Floats) -> Floats:
 
 
 def _divisors(vectors: Floats) -> Floats:
-    """Return the lengths ``[N]`` of vectors ``[2, N]``, which are never 0."""
-    lengths: Floats = np.maximum(np.hypot(vectors[0], vectors[1]), TINY)
+    """Return the lengths ``[N]`` of vectors ``[2, N]``, or ``TINY`` where a length is 0."""
+    lengths: Floats = np.maximum(lengths_of(vectors.T), TINY)
     return lengths
 
 

@@ -54,8 +54,10 @@ def with_slippery(cells: Sequence[str], path: Path | None, *backends: str) -> li
             f"--slippery needs a backend with bodies; allowed: physics; given: {given}"
         )
     wet = [cell for text in cells if (cell := parse_cell(text, "--slippery"))]
-    for cell in wet:
-        check_open(load_layout(path), cell, "--slippery")
+    if wet:
+        layout = load_layout(path)
+        for cell in wet:
+            check_open(layout, cell, "--slippery")
     setting = "slippery=" + "+".join(f"{row}-{col}" for row, col in wet)
     return [
         f"{each}{',' if ':' in each else ':'}{setting}" if wet and _has_bodies(each) else each
