@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.auction import Auction, auction_of, choose_first
-from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.kernels.places import FAR, NONE
 from agents.mapf.kernels.robots import NOBODY, robots_of
 from agents.mapf.memory import Memory
 from agents.mapf.planner import PlacePlanner, Situation
 from warehouse_core.arguments import instance_of, seed_number, whole_number
+from warehouse_core.compiled import prepare
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 

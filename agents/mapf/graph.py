@@ -14,17 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.kernels.buffers import (
-    IS_COMPILED,
-    Buffer,
-    Table,
-    buffer,
-    buffer_of,
-    prepare,
-    table_of,
-)
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, table_of
 from agents.mapf.kernels.places import FAR, NONE, Places, measure
 from warehouse_core.arguments import instance_of, real_number
+from warehouse_core.compiled import IS_COMPILED, prepare
 from warehouse_core.renamed import Renamed
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.edges import Edges

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Fields, Graph
-from agents.mapf.kernels.buffers import buffer, prepare, table_of
+from agents.mapf.kernels.buffers import buffer, table_of
 from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Turning, measure_turning
+from warehouse_core.compiled import prepare
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers

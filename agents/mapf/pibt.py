@@ -6,13 +6,14 @@ import numpy as np
 
 from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
 from agents.mapf.kernels import pibt as kernels
-from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.kernels.pibt import CHANCE_KEY, CHOSEN, STEP_KEY, WAIT_KEY, choose, pibt_of
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, robots_of
 from agents.mapf.memory import Memory
 from agents.mapf.planner import PlacePlanner, Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.arguments import instance_of, seed_number
+from warehouse_core.compiled import prepare
 from warehouse_core.world.tables import Integers
 
 __all__ = ["PIBT", "pibt"]

@@ -22,7 +22,7 @@ import numpy as np
 from agents.mapf.circulation import auction_on, dead_ends, waits_for_exits
 from agents.mapf.graph import Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields
-from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.kernels.epibt import epibt_of
 from agents.mapf.kernels.lns import PORTION, improve, improve_until, new_groups, renew
 from agents.mapf.kernels.pibt import pibt_of
@@ -45,6 +45,7 @@ from warehouse_core.arguments import (
     seed_number,
     whole_number,
 )
+from warehouse_core.compiled import prepare
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 

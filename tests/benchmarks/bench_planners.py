@@ -35,7 +35,6 @@ from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import ConflictTree, solve_cbs
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Graph
-from agents.mapf.kernels.buffers import IS_COMPILED
 from agents.mapf.lacam import lacam
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
@@ -45,6 +44,7 @@ from agents.mapf.problem import Problem
 from agents.mapf.traffic import learned_costs
 from agents.registry import PLANNERS
 from warehouse_core import Layout, random_layout
+from warehouse_core.compiled import IS_COMPILED
 from warehouse_core.world.moves import EAST
 
 FLOORS = {"32 x 32 cells, 20% walls": 50, "kiva": 100}

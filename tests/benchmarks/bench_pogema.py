@@ -29,10 +29,10 @@ import pytest
 
 from agents.lab.commands.planners.runs import attempt, make_stepper
 from agents.mapf.graph import Graph
-from agents.mapf.kernels.buffers import IS_COMPILED
 from agents.mapf.lifelong import run_with_goals
 from agents.mapf.problem import Problem
 from warehouse_core import Layout
+from warehouse_core.compiled import IS_COMPILED
 from warehouse_core.world.generators import kiva_warehouse
 
 pytestmark = pytest.mark.usefixtures("processor_clock")

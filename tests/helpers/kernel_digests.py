@@ -11,7 +11,6 @@ import numpy as np
 
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Graph
-from agents.mapf.kernels.buffers import IS_COMPILED
 from agents.mapf.lacam import LaCAM, lacam
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
@@ -21,6 +20,7 @@ from agents.mapf.planner import Planner, Situation
 from agents.mapf.windows import WindowedPlanner
 from helpers.mapf_problems import random_problem
 from warehouse_core import random_layout, shelf_layout
+from warehouse_core.compiled import IS_COMPILED
 
 HOUR = 3600.0
 SEEDS = range(2)

@@ -14,6 +14,7 @@ PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
 """Packages. Each may import only packages before it."""
 
 MAY_IMPORT = {
+    "warehouse_core/compiled": "",
     "warehouse_core/copies": "",
     "warehouse_core/errors": "",
     "warehouse_core/extras": "",

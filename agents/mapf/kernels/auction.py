@@ -23,9 +23,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, kernel, table_of
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, table_of
 from agents.mapf.kernels.places import ACTIONS, NONE, STAY
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots, draw
+from warehouse_core.compiled import kernel
 from warehouse_core.world.tables import Integers
 
 WORTH, MAX_DISTANCE, PARTS = 1 << 16, 20_000, 8

@@ -19,10 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, kernel, table_of
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, table_of
 from agents.mapf.kernels.pibt import CHANCE_KEY
 from agents.mapf.kernels.places import FORWARD, NONE, STAY, TURNS
 from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, Robots, draw, mix
+from warehouse_core.compiled import kernel
 from warehouse_core.world.moves import LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, enlarged, kernel, prepare
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, enlarged
 from agents.mapf.kernels.epibt import Epibt
 from agents.mapf.kernels.epibt import choose as choose_by_epibt
 from agents.mapf.kernels.lns import improve
@@ -29,6 +29,7 @@ from agents.mapf.kernels.pibt import CHOSEN, Pibt
 from agents.mapf.kernels.pibt import choose as choose_by_pibt
 from agents.mapf.kernels.places import ACTIONS, NONE, Places, measure
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots, draw
+from warehouse_core.compiled import kernel, prepare
 
 SPENT, FULL, DONE, FOUND = 0, 1, 2, 3
 """Why a search returns: no rounds left, a buffer is full, the search is complete, a plan exists."""

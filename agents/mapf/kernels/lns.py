@@ -14,10 +14,11 @@ from __future__ import annotations
 from time import perf_counter
 from typing import NamedTuple
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel
+from agents.mapf.kernels.buffers import Buffer, Table, buffer
 from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places
 from agents.mapf.kernels.robots import draw, first_random
 from agents.mapf.kernels.space_time_astar import Frontier, Paths, find_route, reserve
+from warehouse_core.compiled import kernel
 
 AT_RANDOM, LATE, NEAR = range(3)
 """Kinds of groups: random robots, a late robot and those that delay it, or robots nearby."""

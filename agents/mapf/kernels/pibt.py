@@ -16,9 +16,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel
+from agents.mapf.kernels.buffers import Buffer, Table, buffer
 from agents.mapf.kernels.places import ACTIONS, FAR, STAY, Places
 from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, Robots, draw, mix
+from warehouse_core.compiled import kernel
 
 CHOSEN, CLOSED = 1, 2
 """Marks in ``is_taken``: a robot has chosen this cell, or only the robot inside may keep it."""

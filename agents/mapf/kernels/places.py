@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.mapf.kernels.buffers import Buffer, Table, kernel
+from agents.mapf.kernels.buffers import Buffer, Table
+from warehouse_core.compiled import kernel
 
 STAY = 4
 """Index of the waiting action. The ``ACTIONS`` actions are N, E, S, W and this one."""

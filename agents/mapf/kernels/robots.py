@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.mapf.kernels.buffers import Buffer, buffer, kernel
+from agents.mapf.kernels.buffers import Buffer, buffer
+from warehouse_core.compiled import kernel
 
 NOBODY = -1
 """Marks a missing robot."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from agents.mapf.kernels.auction import Auction, restart
 from agents.mapf.kernels.auction import choose as choose_by_circulation
-from agents.mapf.kernels.buffers import Buffer, Table, kernel
+from agents.mapf.kernels.buffers import Buffer, Table
 from agents.mapf.kernels.epibt import Epibt
 from agents.mapf.kernels.epibt import choose as choose_by_epibt
 from agents.mapf.kernels.pibt import CHOSEN, CLOSED, Pibt
@@ -17,6 +17,7 @@ from agents.mapf.kernels.pibt import choose as choose_by_pibt
 from agents.mapf.kernels.places import ACTIONS, FAR, Places
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots
 from agents.mapf.kernels.space_time_astar import CLOSED_STEPS, Paths
+from warehouse_core.compiled import kernel
 
 
 @kernel

@@ -14,8 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel, table_of
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, table_of
 from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places
+from warehouse_core.compiled import kernel
 from warehouse_core.world.tables import Integers
 
 CLOSED_STEPS = 5
