@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import Refused, Warehouse, command, refusal
+from helpers.forms import use_loops
 from hypothesis import settings
 
 from warehouse_core import Episode, WarehouseEnv, record_episode
@@ -19,6 +20,13 @@ settings.register_profile("warehouse", deadline=None, database=None, derandomize
 settings.load_profile("warehouse")
 
 MAX_MEMORY = 64 * 1024 * 1024
+
+
+@pytest.fixture(params=["arrays", "loops"])
+def form(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Run a test with both forms of fleets; see ``use_loops``."""
+    use_loops(monkeypatch, request.param == "loops")
+    return str(request.param)
 
 
 class ClumsyAgent:

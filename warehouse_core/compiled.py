@@ -25,7 +25,7 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 Vector: TypeAlias = np.ndarray[tuple[int], np.dtype[Scalar]]
 Matrix: TypeAlias = np.ndarray[tuple[int, int], np.dtype[Scalar]]
-"""Arrays of kernels, with contiguous rows. The type of a numbers is that of the elements."""
+"""Arrays of kernels, contiguous in memory."""
 
 
 class CompiledKernel:

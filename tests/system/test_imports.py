@@ -26,7 +26,7 @@ MAY_IMPORT = {
     "warehouse_core/arguments": "wording",
     "warehouse_core/files": "errors wording",
     "warehouse_core/world": "arguments errors files renamed wording",
-    "warehouse_core/motion": "arguments errors extras wording world",
+    "warehouse_core/motion": "arguments compiled errors extras wording world",
     "warehouse_core/orders": "arguments errors files wording world",
     "warehouse_core/task": "arguments errors wording world",
     "warehouse_core/batch": "arguments errors listing motion orders task wording world",

@@ -9,10 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from struct import Struct
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from warehouse_core.arguments import as_cell, real_number
+from warehouse_core.compiled import IS_COMPILED, Vector, kernel
 from warehouse_core.errors import LayoutError
 from warehouse_core.motion.base import (
     NOTHING,
@@ -29,7 +32,7 @@ from warehouse_core.motion.base import (
     check_starts,
     robot_contact,
 )
-from warehouse_core.motion.traffic import ArrayTraffic, Obstacle, find_stops
+from warehouse_core.motion.traffic import ArrayTraffic, Moves, Obstacle, find_stops, stop_all
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers, LayoutSet, sides_table, size_of
@@ -46,6 +49,8 @@ MAX_CELL_SIZE = 1e9
 """Limit on the side of a cell in metres."""
 
 STAY, EAST = (0, 0), (0, 1)
+ACTION_COUNT = len(DISPLACEMENTS)
+NO_FACING = np.empty(0, np.intp)
 NOT_MOVED = -1
 """Value of the cell before the last action if a robot has not moved since it was placed."""
 
@@ -226,8 +231,8 @@ class GridBatch(BaseBatchMotion):
         self._closed = False
         self._layouts, self._robots = LayoutSet(layouts), robots
         count = len(layouts) * robots
-        self._cells: Integers = np.zeros(count, np.int32)
-        self._base = np.repeat(self._layouts.base, robots) * len(DISPLACEMENTS)
+        self._cells = np.zeros(count, np.int32)
+        self._base = np.repeat(self._layouts.base, robots) * ACTION_COUNT
         self._next = np.concatenate([_next_cells(layout) for layout in self._layouts.kinds])
         self._seconds = np.full(count, NOMINAL_SECONDS)
         self._joules = np.full(len(DISPLACEMENTS), nominal_joules(cell_size, moving=False))
@@ -245,14 +250,14 @@ class GridBatch(BaseBatchMotion):
         self._layouts.change(floors, layouts)
         if new := self._layouts.kinds[known:]:
             self._next = np.concatenate([self._next, *map(_next_cells, new)])
-        self._base = np.repeat(self._layouts.base, self._robots) * len(DISPLACEMENTS)
+        self._base = np.repeat(self._layouts.base, self._robots) * ACTION_COUNT
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
         """Move every robot by one action; see ``BatchMotion.advance``."""
         if self._closed:
             raise RuntimeError("advance() after close()")
         before = self._cells
-        self._cells = self._next.take(self._base + before * len(DISPLACEMENTS) + actions)
+        self._cells = self._next.take(self._base + before * ACTION_COUNT + actions)
         blocked = (self._cells == before) & (actions < WAIT)
         joules = self._joules.take(actions)
         return BatchOutcome(self._cells.astype(np.intp), blocked, self._seconds.copy(), joules)
@@ -260,6 +265,81 @@ class GridBatch(BaseBatchMotion):
     def close(self) -> None:
         """Make later calls of ``advance`` raise an error; see ``BatchMotion.close``."""
         self._closed = True
+
+
+class GridArrays(NamedTuple):
+    """Arrays of ``move_all`` for ``N`` robots.
+
+    Attributes:
+        next_cells: cell after each action in each cell of all layouts.
+        base: ``[N]`` index in ``next_cells`` of the first entry of each robot's layout.
+        joules_of: energy of each action.
+        floor: ``[N]`` number of the first cell of each robot's floor.
+        cells: ``[N]`` cell of each robot within its layout.
+        before: ``[N]`` cells before the last action.
+        starts, headings: ``[N]`` directions at the start and at the end of the last action.
+        moving: ``[N]`` flags of robots whose last action was a move.
+        moves: arrays for right of way.
+        robots: number of robots on each floor.
+    """
+
+    next_cells: Vector[np.int32]
+    base: Vector[np.intp]
+    joules_of: Vector[np.float64]
+    floor: Vector[np.intp]
+    cells: Vector[np.int32]
+    before: Vector[np.int32]
+    starts: Vector[np.intp]
+    headings: Vector[np.intp]
+    moving: Vector[np.bool_]
+    moves: Moves
+    robots: int
+
+
+@kernel
+def move_all(
+    grid: GridArrays,
+    actions: Vector[np.intp],
+    facing: Vector[np.intp],
+    cells: Vector[np.intp],
+    blocked: Vector[np.bool_],
+    joules: Vector[np.float64],
+    stops: Vector[np.intp],
+) -> None:
+    """Move every robot by one action.
+
+    Args:
+        grid: state of the robots, which is changed.
+        actions: ``[N]`` index into ``DISPLACEMENTS`` for each robot.
+        facing: ``[N]`` new direction of each robot, see ``face``; empty if no robot turns.
+        cells: ``[N]`` cell of each robot after the action, to be filled in like all that follow.
+        blocked: ``[N]`` flags of robots that something stopped.
+        joules: ``[N]`` energy of each action.
+        stops: ``[N]`` obstacle of each robot, as in ``BatchOutcome``.
+    """
+    moves = grid.moves
+    for robot in range(len(actions)):
+        action, cell = actions[robot], grid.cells[robot]
+        target = grid.next_cells[grid.base[robot] + cell * ACTION_COUNT + action]
+        grid.before[robot], grid.moving[robot] = cell, action < WAIT
+        if action < WAIT:
+            grid.headings[robot] = action
+        grid.starts[robot] = grid.headings[robot]
+        if action >= WAIT and len(facing) and facing[robot] < WAIT:
+            grid.headings[robot] = facing[robot]
+        cells[robot], joules[robot] = target, grid.joules_of[action]
+        moves.cells[robot] = grid.floor[robot] + cell
+        moves.targets[robot] = grid.floor[robot] + target
+        stops[robot] = WALL if action < WAIT and target == cell else NOTHING
+    if grid.robots > 1:
+        stop_all(moves, stops)
+    for robot in range(len(actions)):
+        blocked[robot] = stops[robot] != NOTHING
+        if blocked[robot]:
+            cells[robot] = grid.before[robot]
+        if stops[robot] >= 0:
+            stops[robot] %= grid.robots
+        grid.cells[robot] = cells[robot]
 
 
 class GridFleetBatch(GridBatch):
@@ -274,10 +354,11 @@ class GridFleetBatch(GridBatch):
         ends = np.cumsum(self._layouts.of_rows([size_of(kind) for kind in self._layouts.kinds]))
         self._floor = np.repeat([0, *ends[:-1].tolist()], robots)
         self._traffic = ArrayTraffic(int(ends[-1]), len(layouts), robots)
+        self._moves = self._traffic.moves()
         self._before = np.full_like(self._cells, NOT_MOVED)
-        self._headings = self._starts = np.full(len(self._cells), DISPLACEMENTS.index(EAST))
+        self._headings, self._starts = np.full((2, len(self._cells)), DISPLACEMENTS.index(EAST))
         self._moving = self._cells > 0
-        self._facing: Integers | None = None
+        self._facing: NDArray[np.intp] = NO_FACING
 
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
@@ -289,17 +370,19 @@ class GridFleetBatch(GridBatch):
 
     def face(self, actions: Integers) -> None:
         """Let robots turn on the spot in the next ``advance``; see ``BaseBatchMotion.face``."""
-        self._facing = actions
+        self._facing = np.ascontiguousarray(actions, np.intp)
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
         """Move every robot by one action; see ``BatchMotion.advance``."""
+        facing, self._facing = self._facing, NO_FACING
+        if IS_COMPILED and not self._closed:
+            return self._advance_in_a_loop(np.ascontiguousarray(actions, np.intp), facing)
         self._before, self._moving = self._cells, actions < WAIT
         np.copyto(self._headings, actions, where=self._moving)
         self._starts = self._headings
-        if self._facing is not None:
-            turning = (self._facing < WAIT) & ~self._moving
-            self._headings = np.where(turning, self._facing, self._headings)
-            self._facing = None
+        if facing.size:
+            turning = (facing < WAIT) & ~self._moving
+            self._headings = np.where(turning, facing, self._headings)
         cells, blocked, seconds, joules, *_ = super().advance(actions, loaded)
         if self._robots == 1:
             return BatchOutcome(cells, blocked, seconds, joules, _WALL_OR_NOTHING.take(blocked))
@@ -309,6 +392,19 @@ class GridFleetBatch(GridBatch):
         cells = np.where(blocked, self._before, cells)
         self._cells = cells.astype(np.int32)
         return BatchOutcome(cells, blocked, seconds, joules, stops)
+
+    def _advance_in_a_loop(
+        self, actions: NDArray[np.intp], facing: NDArray[np.intp]
+    ) -> BatchOutcome:
+        grid = GridArrays(
+            self._next, self._base, self._joules, self._floor, self._cells, self._before,
+            self._starts, self._headings, self._moving, self._moves, self._robots,
+        )  # fmt: skip
+        count = len(actions)
+        cells, stops = np.empty(count, np.intp), np.empty(count, np.intp)
+        blocked, joules = np.empty(count, np.bool_), np.empty(count)
+        move_all(grid, actions, facing, cells, blocked, joules, stops)
+        return BatchOutcome(cells, blocked, self._seconds.copy(), joules, stops)
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
         """Return the last outcomes on one floor; see ``BaseBatchMotion.outcomes``."""
@@ -328,7 +424,7 @@ class GridFleetBatch(GridBatch):
         return self._motion.advance(moves, moving)
 
 
-def _next_cells(layout: Layout) -> Integers:
+def _next_cells(layout: Layout) -> NDArray[np.int32]:
     """Return the cell after each action in each cell, ``[N * actions]``."""
     sides = sides_table([layout])
     steps = layout.numbers(DISPLACEMENTS)

@@ -19,16 +19,18 @@ If several robots have the same target, all of them stay, as rigid bodies would.
 not depend on the order of the robots. "Occupied" spreads backwards along a queue of robots.
 
 ``find_stops`` applies the table to the robots of one floor, using lists. ``ArrayTraffic`` applies
-it to all robots of many floors, using NumPy arrays.
+it to all robots of many floors, using NumPy arrays. ``stop_all`` does the same in a compiled loop.
 """
 
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.compiled import Vector, kernel
 from warehouse_core.motion.base import NOTHING, WALL, WALL_CONTACT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers
@@ -122,6 +124,67 @@ def check_joint_step(layout: Layout, cells: Sequence[Cell], targets: Sequence[Ce
             )
 
 
+class Moves(NamedTuple):
+    """Arrays of ``stop_all`` for ``N`` robots, with cells as in ``ArrayTraffic``.
+
+    Attributes:
+        cells: ``[N]`` cell of each robot.
+        targets: ``[N]`` next cell of each robot, see ``ArrayTraffic.find_stops``.
+        behind: ``[N]`` robot that follows each robot, or ``NOTHING``.
+        robot_of: robot in each cell; old entries remain.
+        rival_to: first robot that moves to each cell; ``NOTHING`` between two calls.
+    """
+
+    cells: Vector[np.intp]
+    targets: Vector[np.intp]
+    behind: Vector[np.intp]
+    robot_of: Vector[np.intp]
+    rival_to: Vector[np.intp]
+
+
+@kernel
+def stop_all(moves: Moves, stops: Vector[np.intp]) -> None:
+    """Fill in the robots that stop other robots, numbered across all floors.
+
+    Args:
+        moves: cells and targets of the robots.
+        stops: ``[N]`` ``WALL`` for robots that a wall stops, and ``NOTHING`` for all others.
+    """
+    cells, targets, behind = moves.cells, moves.targets, moves.behind
+    robot_of, rival_to = moves.robot_of, moves.rival_to
+    for robot in range(len(cells)):
+        robot_of[cells[robot]] = robot
+    for robot in range(len(cells)):
+        target = targets[robot]
+        if target != cells[robot]:
+            first = rival_to[target]
+            if first == NOTHING:
+                rival_to[target] = robot
+            else:
+                stops[robot] = first
+                if stops[first] == NOTHING:
+                    stops[first] = robot
+    for robot in range(len(cells)):
+        target = targets[robot]
+        rival_to[target] = NOTHING
+        if target != cells[robot] and stops[robot] == NOTHING:
+            ahead = robot_of[target]
+            if cells[ahead] == target and targets[ahead] == cells[robot]:
+                stops[robot] = ahead
+            elif cells[ahead] == target:
+                behind[ahead] = robot
+    # Now all robots that stay for another reason are known. Each stops the robots behind it.
+    for robot in range(len(cells)):
+        ahead = robot
+        if targets[robot] == cells[robot] or stops[robot] != NOTHING:
+            while behind[ahead] != NOTHING:
+                follower = behind[ahead]
+                stops[follower], behind[ahead] = ahead, NOTHING
+                ahead = follower
+    for robot in range(len(cells)):
+        behind[robot] = NOTHING
+
+
 class ArrayTraffic:
     """The table for ``N`` robots on ``B`` floors, equal to ``find_stops`` on each floor.
 
@@ -140,6 +203,13 @@ class ArrayTraffic:
         # WALL and NOTHING are negative indices, which count from the end.
         self._on_floor = np.array([*list(range(robots)) * floors, WALL, NOTHING], np.intp)
         self._robot_of = np.zeros(cells, np.intp)
+
+    def moves(self) -> Moves:
+        """Return new arrays for ``stop_all``."""
+        robots = len(self._robots)
+        cells, targets, behind = np.full((3, robots), NOTHING, np.intp)
+        rival_to = np.full_like(self._robot_of, NOTHING)
+        return Moves(cells, targets, behind, self._robot_of, rival_to)
 
     def find_stops(self, cells: Integers, targets: Integers, walled: Flags) -> Numbers:
         """Return the obstacles ``[N]``: ``NOTHING``, ``WALL``, or a robot's number on its floor.

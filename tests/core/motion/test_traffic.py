@@ -24,7 +24,7 @@ HALL = Layout(["......"] * 6)
 
 @pytest.mark.parametrize(("cells", "moves", "stops"), CASES.values(), ids=CASES)
 def test_stops_follow_the_table(
-    cells: list[Cell], moves: list[Cell], stops: list[Obstacle]
+    form: str, cells: list[Cell], moves: list[Cell], stops: list[Obstacle]
 ) -> None:
     assert find_stops(HALL, cells, targets_of(cells, moves)) == stops
     assert array_stops(HALL, cells, moves) == stops
@@ -53,7 +53,7 @@ def test_stops_do_not_depend_on_the_order_of_the_robots(
     assert [stop is None for stop in shuffled] == [stops[i] is None for i in order]
 
 
-def test_both_forms_follow_the_table_in_crowds() -> None:
+def test_all_forms_follow_the_table_in_crowds(form: str) -> None:
     lines = check_crowds(20_000)
     assert min(lines[line] for line in LINES) > 100, lines
 

@@ -1,0 +1,88 @@
+"""Fleets give the same results with NumPy and with the loops that Numba compiles, bit for bit."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.forms import use_loops
+
+from warehouse_core import FleetEnv, Layout, OrderQueue, People, shelf_layout
+from warehouse_core.fleet import Battery, FleetBatch
+
+SMALL, WIDE = Layout(["P..C", ".#..", "...D"]), Layout(["P.C.#D..", "..D....P"])
+SHELVES = shelf_layout(2, 2, 3, pickups=2, dropoffs=2, chargers=2)
+
+KINDS: dict[str, dict[str, Any]] = {
+    "one robot": {"robots": 1, "layout": SMALL},
+    "robots only": {"robots": 6, "layout": SMALL},
+    "flat batteries": {"robots": 5, "layout": SMALL, "battery": 25, "max_steps": 60},
+    "no view": {"robots": 3, "layout": SMALL, "orders": 0.3, "view_radius": 0},
+    "orders": {"robots": 6, "layout": SHELVES, "orders": 0.6, "late_penalty": 0.1},
+    "queue": {"robots": 4, "layout": WIDE, "orders": OrderQueue(3), "team_reward": True},
+    "people": {"robots": 4, "layout": SHELVES, "orders": 0.4, "people": People(5, "aisles")},
+    "headings": {"robots": 5, "layout": SHELVES, "orders": 0.4, "moves": "turn", "people": 2},
+    "joules": {"robots": 4, "layout": SMALL, "battery": Battery(900, "joules", knee=0.7)},
+    "bodies": {"robots": 3, "layout": SMALL, "orders": 0.3, "backend": "physics"},
+    "driving": {"robots": 2, "layout": SHELVES, "orders": 0.3, "backend": "driving"},
+}
+STEPS = {"bodies": 25, "driving": 40}
+
+
+def flat(values: Any) -> list[Any]:
+    """Return values in nested dictionaries as a list in which arrays can be compared exactly."""
+    if isinstance(values, dict):
+        return [(key, each) for key in values for each in flat(values[key])]
+    if isinstance(values, np.ndarray):
+        return [(values.dtype.str, values.shape, values.tobytes())]
+    return [values]
+
+
+def results(kind: str) -> Iterator[list[Any]]:
+    """Yield everything that a fleet returns in each of its steps."""
+    env = FleetEnv(**KINDS[kind])
+    stream = np.random.default_rng(3)
+    actions = len(env.settings.actions)
+    observations, info = env.reset(seed=1)
+    yield [*flat(observations), *flat(info)]
+    for _ in range(STEPS.get(kind, 120)):
+        chosen = stream.integers(0, actions + 1, env.settings.robots)  # one of them is invalid
+        useful = np.argmax(info["action_mask"][:, ::-1], axis=1)
+        chosen = np.where(stream.random(len(chosen)) < 0.5, actions - 1 - useful, chosen)
+        observations, *flags, info = env.step(chosen)
+        found = [*flat(observations), *(each for flag in flags for each in flat(flag))]
+        paths = [outcome.path.tobytes() for outcome in env.last_motion]
+        yield [*found, *flat(info), env.battery, paths]
+        if all(env.ended):
+            observations, info = env.reset()
+    yield [env.measures, flat(env.observe(0)), env.cells, env.headings, env.loaded]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.filterwarnings("ignore:.*can keep")
+def test_both_forms_give_equal_results(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    each = []
+    for loops in (False, True):
+        use_loops(monkeypatch, loops)
+        each.append(list(results(kind)))
+    for step, (arrays, loops) in enumerate(zip(*each, strict=True)):
+        assert arrays == loops, step
+
+
+@pytest.mark.parametrize("orders", [None, 0.3])
+def test_both_forms_give_equal_results_on_many_floors(
+    orders: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    each = []
+    for loops in (False, True):
+        use_loops(monkeypatch, loops)
+        layouts, stream = [SMALL, WIDE, SMALL, SHELVES], np.random.default_rng(5)
+        batch = FleetBatch(
+            4, layouts, robots=4, orders=orders, people=1, max_steps=30, autoreset_mode="SameStep"
+        )
+        found = [flat(value) for value in batch.reset(seed=2)]
+        for _ in range(80):
+            step = batch.step(stream.integers(0, 7, batch.num_envs))
+            found += [flat(value) for value in step]
+        each.append([*found, [batch.measures(fleet) for fleet in range(4)]])
+    assert each[0] == each[1]
