@@ -71,6 +71,7 @@ from warehouse_core.viz.tracks.track import (
     TileRows,
     Track,
     arrow_tip,
+    cells_of,
     middle,
 )
 from warehouse_core.world.tiles import (
@@ -265,9 +266,10 @@ class View:
         """Yield tints of visited cells, a shadow on what the robot cannot see, and its trail."""
         rows, history = frames[self._histories[robot].frames[step]].tiles, self._histories[robot]
         tints: dict[int, list[Point]] = {}
-        for (row, col), visits in history.visits(step).items():
-            if visits > 1 and rows[row][col] == EMPTY and (row, col) not in self._track.slippery:
-                tints.setdefault(min(visits // 2, len(VISITED)) - 1, []).append((col, row))
+        for (row, col), entries in history.entries(step).items():
+            often = min(len(entries) // 2, len(VISITED)) - 1
+            if often >= 0 and rows[row][col] == EMPTY and (row, col) not in self._track.slippery:
+                tints.setdefault(often, []).append((col, row))
         for tint, places in tints.items():
             yield Shape(stamped(BAR, places), VISITED[tint])
         here, radius = history.cells[step], self._track.view_radius
@@ -503,13 +505,6 @@ def around_view(cell: Cell, radius: int, shown: tuple[float, float, float, float
     upper, lower = max(row - radius, top), min(row + radius + 1, bottom)
     whole = [(left, top), (right, top), (right, bottom), (left, bottom)]
     return polygons([whole, [(first, upper), (first, lower), (last, lower), (last, upper)]])
-
-
-def cells_of(tile: str, rows: Sequence[str]) -> list[Cell]:
-    """Return the cells that have a tile."""
-    return [
-        (row, col) for row, line in enumerate(rows) for col, here in enumerate(line) if here == tile
-    ]
 
 
 def placed(shape: Points, poses: Iterable[Pose]) -> Path:

@@ -40,10 +40,6 @@ class Beat(NamedTuple):
         """Return a group with an angle in each frame."""
         return self._transformed("rotate", inner, [(angle,) for angle in degrees])
 
-    def jumping(self, inner: str, places: Numbers) -> str:
-        """Return a group with a position in each frame, which always jumps to the next one."""
-        return self._replace(glides=False).moving(inner, places)
-
     def growing(self, name: str, values: Sequence[int]) -> tuple[str, str]:
         """Return an attribute with its first value, and the element that animates it."""
         numbers = [(value,) for value in values]
@@ -75,6 +71,21 @@ class Beat(NamedTuple):
         for key, spans in spans_of(keys).items():
             if drawn := draw(key):
                 yield self.shown(drawn, spans)
+
+    def all_of(self, drawings: Iterable[Iterable[str]], around: str = "{}") -> Iterator[str]:
+        """Yield the parts that are drawn in each frame, grouped by the spans that show them.
+
+        The parts of a group are one text, for which ``around`` has a place.
+        """
+        found: dict[str, list[Span]] = {}
+        for number, parts in enumerate(drawings):
+            for part in dict.fromkeys(parts):
+                extend(found.setdefault(part, []), number, number + 1)
+        groups: dict[tuple[Span, ...], list[str]] = {}
+        for part, spans in found.items():
+            groups.setdefault(tuple(spans), []).append(part)
+        for shown, parts in groups.items():
+            yield self.shown(around.format("".join(parts)), shown)
 
     @property
     def _timing(self) -> str:

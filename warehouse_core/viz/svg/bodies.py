@@ -8,25 +8,27 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from itertools import groupby, pairwise
 from typing import TypeVar
 
 import numpy as np
 
+from warehouse_core.records.plans import NO_PLANS
 from warehouse_core.render.palette import LOOK
-from warehouse_core.viz.svg.beat import Beat, Span, extend, spans_of
+from warehouse_core.viz.svg.beat import Beat, spans_of
 from warehouse_core.viz.svg.floor import UNIT, box, shape
 from warehouse_core.viz.tracks.history import History, skids_of
 from warehouse_core.viz.tracks.track import (
     DrawnHit,
     FleetFrame,
     Frame,
-    Line,
     Point,
     Pose,
     Track,
+    Waiting,
     arrow_tip,
+    cells_of,
+    middle,
 )
 from warehouse_core.world.tiles import PERSON, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, Cell
 
@@ -67,40 +69,37 @@ def bodies_of(track: Track, numbers: Sequence[int], beat: Beat, pixels: float) -
     ghost = [track.ghost[number] for number in numbers if track.ghost]
     fleets = [frame.fleet for frame in frames if frame.fleet is not None]
     robots = len(fleets[0].battery) if fleets else len(frames[0].robots)
-    if not fleets:
-        for robot in range(robots):
+    for robot in range(robots):
+        if not fleets:
             yield from _traces(track, frames, robot, beat)
-    for robot in range(robots if track.slippery else 0):
-        yield from _skids(frames, robot, beat)
-    yield from _lines(frames, beat)
-    yield from _orders(frames, beat)
+        if track.slippery:
+            yield from _skids(frames, robot, beat)
+    yield from beat.all_of(map(_lines, frames))
+    yield from beat.all_of(_orders(frame.fleet.waiting if frame.fleet else ()) for frame in frames)
     if ghost:
-        places = [(round(UNIT * x), round(UNIT * y)) for x, y in ghost]
-        yield beat.jumping(f'<circle r="{RADIUS}" class="ghost of-ink"/>', places)
+        jumps = beat._replace(glides=False)
+        yield jumps.moving(f'<circle r="{RADIUS}" class="ghost of-ink"/>', _hundredths(ghost))
     for body in range(len(frames[0].robots)):
         poses = [frame.robots[body] for frame in frames]
         if not any(poses):
             continue
         if body >= robots:
             drawn = f"{shape('H', 'person of-rim')}{_name(PERSON, 1, 'light')}"
-        elif fleets:
-            is_named = pixels >= MIN_NAMED
-            drawn = _fleet_robot(track, fleets, body, poses, beat, is_named=is_named)
         else:
-            drawn = _lone_robot(track, poses, beat)
+            drawn = _robot(track, fleets, body, poses, beat, is_named=pixels >= MIN_NAMED)
         if body >= robots or not track.is_continuous or (fleets and pixels < MIN_NAMED):
             drawn = _turned(shape("nose", "rim"), poses, beat) + drawn
         if fleets and body < robots:
             drawn = _battery(fleets, body, beat) + drawn
-        places = [(round(UNIT * x), round(UNIT * y)) for x, y in (p.at for p in _filled(poses))]
         there = spans_of(pose is not None for pose in poses)[True]
+        places = _hundredths(pose.at for pose in _filled(poses))
         yield beat.shown(beat.moving(drawn, places), there)
-    for hit, spans in _hits(frames).items():
-        x, y = (round(UNIT * place) for place in hit.at)
-        place = f'transform="translate({x} {y}) scale({hit.size:.3g})"'
-        words = f'<text x="{x}" y="{y - LABEL * hit.size:.0f}" font-size="{LABEL}" '
-        words = f'{words}class="light of-dark">{html.escape(hit.label)}</text>' if hit.label else ""
-        yield beat.shown(shape("hit", "hit of-rim", place) + words, spans)
+    yield from beat.all_of(map(_burst, frame.hits) for frame in frames)
+
+
+def _hundredths(places: Iterable[Point]) -> list[tuple[int, int]]:
+    """Return positions in hundredths of a cell."""
+    return [(round(UNIT * x), round(UNIT * y)) for x, y in places]
 
 
 def _filled(values: Iterable[Value | None]) -> list[Value]:
@@ -167,18 +166,7 @@ def arrow_heads() -> str:
     )
 
 
-def _lone_robot(track: Track, poses: Sequence[Pose | None], beat: Beat) -> str:
-    is_loaded = spans_of(pose is not None and pose.loaded for pose in poses)
-    if track.is_continuous:
-        looks = ["loaded" if pose and pose.loaded else "robot" for pose in poses]
-        item = beat.shown(_item(0, 0, CARRIED["side"], "item"), is_loaded.get(True, []))
-        return "".join(_arrows(poses, beat)) + _machine(track, looks, poses, beat) + item
-    empty = _disc("robot") + _name(ROBOT_EMPTY, 1, "light")
-    loaded = _disc("loaded") + _item(0, 0, ITEM["side"], "item") + _name(ROBOT_LOADED, 1, "dark")
-    return beat.shown(empty, is_loaded.get(False, [])) + beat.shown(loaded, is_loaded.get(True, []))
-
-
-def _fleet_robot(
+def _robot(
     track: Track,
     fleets: Sequence[FleetFrame],
     robot: int,
@@ -187,27 +175,37 @@ def _fleet_robot(
     *,
     is_named: bool,
 ) -> str:
-    """Return a robot with its number and item."""
-    levels = [fleet.battery[robot] for fleet in fleets]
-    name, digits = str(robot) if is_named else "", len(str(len(fleets[0].battery) - 1))
+    """Return a robot with its item, and its letter or number.
 
-    is_body = track.is_continuous and is_named
-
-    def draw_disc(look: str) -> str:
-        words = _name(name, digits, "dark" if look == "loaded" else "light")
-        return words if is_body else _disc(look) + words
+    A robot of a fleet carries its item next to its number.
+    """
+    loads = [pose is not None and pose.loaded for pose in poses]
+    levels = [fleet.battery[robot] for fleet in fleets] or [1.0] * len(poses)
+    items = [fleet.items[robot] for fleet in fleets] or [0 if load else None for load in loads]
+    looks = [
+        "stranded" if level <= 0 else "loaded" if load else "robot"
+        for level, load in zip(levels, loads, strict=True)
+    ]
+    is_body = track.is_continuous and (is_named or not fleets)
+    away = round(UNIT * CARRIED["away"]) if fleets else 0
+    side = CARRIED["side"] if fleets or is_body else ITEM["side"]
+    digits = len(str(len(fleets[0].battery) - 1)) if fleets else 1
 
     def draw_item(age: int | None) -> str:
-        away = round(UNIT * CARRIED["away"])
-        return "" if age is None else _item(away, -away, CARRIED["side"], ORDERS[age])
+        return "" if age is None else _item(away, -away, side, ORDERS[age])
 
-    looks = [
-        "stranded" if level <= 0 else "loaded" if pose is not None and pose.loaded else "robot"
-        for level, pose in zip(levels, poses, strict=True)
-    ]
-    parts = [*_arrows(poses, beat), _machine(track, looks, poses, beat)] if is_body else []
-    parts += beat.each(looks, draw_disc)
-    parts += beat.each((f.items[robot] for f in fleets), draw_item)
+    def draw_name(look: str) -> str:
+        is_loaded = look == "loaded"
+        name = str(robot) if fleets else ROBOT_LOADED if is_loaded else ROBOT_EMPTY
+        return _name(name, digits, "dark" if is_loaded else "light")
+
+    if is_body:
+        parts = [*_arrows(poses, beat), _machine(track, looks, poses, beat)]
+    else:
+        parts = [*beat.each(looks, lambda look: f'<circle r="{RADIUS}" class="{look} of-rim"/>')]
+    parts += beat.each(items, draw_item)
+    if is_named if fleets else not is_body:
+        parts += beat.each(looks, draw_name)
     return "".join(parts)
 
 
@@ -226,13 +224,7 @@ def _battery(fleets: Sequence[FleetFrame], robot: int, beat: Beat) -> str:
     return drawn
 
 
-def _disc(look: str) -> str:
-    return f'<circle r="{RADIUS}" class="{look} of-rim"/>'
-
-
 def _name(text: str, digits: int, look: str) -> str:
-    if not text:
-        return ""
     size = round(UNIT * min(ROBOT["letter"], ROBOT["name"] / digits))
     rim = " of-dark" if look == "light" else ""
     return f'<text y="{0.36 * size:.0f}" font-size="{size}" class="{look}{rim}">{text}</text>'
@@ -251,36 +243,25 @@ def _item_in(cell: Cell) -> str:
     return _item(col, row, ITEM["side"], "item")
 
 
-def _orders(frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
+def _orders(waiting: Iterable[Waiting]) -> Iterator[str]:
     """Yield the number of orders that wait at each pickup, in the colour of the oldest one."""
-    waiting: dict[Point, list[tuple[int, int] | None]] = {}
-    for number, frame in enumerate(frames):
-        for at, count, age in frame.fleet.waiting if frame.fleet else ():
-            waiting.setdefault(at, [None] * len(frames))[number] = count, age
-    for (x, y), states in waiting.items():
-        col, row = round(UNIT * (int(x) + ITEM["place"])), round(UNIT * (int(y) + ITEM["place"]))
-
-        def draw(state: tuple[int, int] | None, col: int = col, row: int = row) -> str:
-            if state is None:
-                return ""
-            count, age = state
-            words = f"{count}{'!' * (age == LATE)}"
-            half, look = round(UNIT * ITEM["side"] / 2), "light" if age == LATE else "dark"
-            size = 1.6 * half if len(words) == 1 else 2.4 * half / len(words)
-            inner = box(col - half, row - half, 2 * half, 2 * half, f"{ORDERS[age]} of-rim")
-            text = f'<text x="{col}" y="{row + 0.36 * size:.0f}" font-size="{size:.0f}"'
-            return f'{inner}{text} class="{look}">{words}</text>'
-
-        yield from beat.each(states, draw)
+    half = round(UNIT * ITEM["side"] / 2)
+    for (x, y), count, age in waiting:
+        col, row = (round(UNIT * (int(place) + ITEM["place"])) for place in (x, y))
+        words, look = (f"{count}!", "light") if age == LATE else (str(count), "dark")
+        size = 1.6 * half if len(words) == 1 else 2.4 * half / len(words)
+        yield box(col - half, row - half, 2 * half, 2 * half, f"{ORDERS[age]} of-rim")
+        at = f'x="{col}" y="{row + 0.36 * size:.0f}" font-size="{size:.0f}"'
+        yield f'<text {at} class="{look}">{words}</text>'
 
 
-def _hits(frames: Sequence[Frame]) -> dict[DrawnHit, list[Span]]:
-    """Return the spans of the frames that show each hit; equal hits of several robots are one."""
-    found: dict[DrawnHit, list[Span]] = {}
-    for number, frame in enumerate(frames):
-        for hit in dict.fromkeys(replace(hit, robot=0) for hit in frame.hits):
-            extend(found.setdefault(hit, []), number, number + 1)
-    return found
+def _burst(hit: DrawnHit) -> str:
+    """Return a hit with its label. Those of several robots are equal, and shown once."""
+    x, y = (round(UNIT * place) for place in hit.at)
+    star = shape("hit", "hit of-rim", f'transform="translate({x} {y}) scale({hit.size:.3g})"')
+    at = f'x="{x}" y="{y - LABEL * hit.size:.0f}" font-size="{LABEL}"'
+    words = f'<text {at} class="light of-dark">{html.escape(hit.label)}</text>'
+    return star + words if hit.label else star
 
 
 def _skids(frames: Sequence[Frame], robot: int, beat: Beat) -> Iterator[str]:
@@ -298,35 +279,21 @@ def _skids(frames: Sequence[Frame], robot: int, beat: Beat) -> Iterator[str]:
         yield beat.shown_from(drawn, ends[step])
 
 
-def _lines(frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
-    """Yield the planned paths of robots, and an arrow for each robot that pushes another."""
-    yield from beat.each(
-        (frame.route for frame in frames), lambda route: _path(route, "plan dots") if route else ""
-    )
-    yield from beat.each((frame.lines for frame in frames), _outlines)
-    drawn: dict[str, list[Span]] = {}
-    for number, frame in enumerate(frames):
-        for line in _plans(frame):
-            extend(drawn.setdefault(line, []), number, number + 1)
-    for line, spans in drawn.items():
-        yield beat.shown(line, spans)
+def _lines(frame: Frame) -> Iterator[str]:
+    """Yield the outlines of things, planned paths, and an arrow where a robot pushes another.
 
-
-def _outlines(lines: Sequence[Line]) -> str:
-    """Return the outlines of things; a drawing with all rays would be several times as large."""
-    parts = [f"M{_places([at])}L{_places([to])}" for is_ray, at, to in lines if not is_ray]
+    There are no rays, because a drawing with all of them would be several times as large.
+    """
+    if frame.route:
+        yield _path(frame.route, "plan dots")
     width = UNIT * LOOK["lines"]["outline"]
-    return f'<path d="{"".join(parts)}" class="of-ink" stroke-width="{width:g}"/>' if parts else ""
-
-
-def _plans(frame: Frame) -> Iterator[str]:
-    """Yield the plans of a fleet in a frame."""
-    if frame.fleet is None:
-        return
-    paths, wishes, pushers = frame.fleet.plans
+    outlines = [f"M{_places([at])}L{_places([to])}" for is_ray, at, to in frame.lines if not is_ray]
+    if outlines:
+        yield f'<path d="{"".join(outlines)}" class="of-ink" stroke-width="{width:g}"/>'
+    paths, wishes, pushers = frame.fleet.plans if frame.fleet else NO_PLANS
     for plans, look in ((paths, "plan"), (wishes, "plan dots")):
         for cells in plans.values():
-            yield _path([(col + 0.5, row + 0.5) for row, col in cells], look)
+            yield _path(map(middle, cells), look)
     for pushed, pusher in pushers.items():
         (x, y), (right, down) = (
             pose.at for pose in (frame.robots[pusher], frame.robots[pushed]) if pose is not None
@@ -349,14 +316,16 @@ def _traces(track: Track, frames: Sequence[Frame], robot: int, beat: Beat) -> It
     """Yield the visited cells, trail and items of a robot, and a shadow on what it cannot see."""
     history, rows = History(robot), frames[0].tiles
     history.read(frames)
-    yield from _visits(history, beat)
+    for (row, col), entries in history.entries(len(frames)).items():
+        tint = box(UNIT * col, UNIT * row, UNIT, UNIT, "visited")
+        for first in entries[1:MAX_VISITS]:
+            yield beat.shown_from(tint, first)
     poses = [frame.robots[robot] for frame in frames]
     yield from _trail(poses, beat)
     if not history.starts_loaded:
         waits = [(0, history.taken[0] if history.taken else beat.frames)]
-        for cell in ((row, col) for row, line in enumerate(rows) for col in range(len(line))):
-            if rows[cell[0]][cell[1]] == PICKUP:
-                yield beat.shown(_item_in(cell), waits)
+        for cell in cells_of(PICKUP, rows):
+            yield beat.shown(_item_in(cell), waits)
     for frame, cell in history.delivered:
         yield beat.shown_from(_item_in(cell), frame)
     if track.view_radius is not None and len(frames[0].robots) == 1 and None not in poses:
@@ -364,21 +333,8 @@ def _traces(track: Track, frames: Sequence[Frame], robot: int, beat: Beat) -> It
         far = UNIT * 2 * max(len(rows), len(rows[0]))
         window = f"M{-far}-{far}H{far}V{far}H{-far}zM{first} {first}v{side}h{side}v-{side}z"
         cells = [(UNIT * int(p.at[0]), UNIT * int(p.at[1])) for p in poses if p is not None]
-        yield beat.jumping(f'<path d="{window}" class="shadow"/>', cells)
-
-
-def _visits(history: History, beat: Beat) -> Iterator[str]:
-    """Yield tints of the cells that a robot has entered more than once."""
-    came: dict[Cell, list[int]] = {}
-    before = None
-    for number, cell in zip(history.frames, history.cells, strict=True):
-        if cell is not None and cell != before:
-            came.setdefault(cell, []).append(number)
-        before = cell or before
-    for (row, col), times in came.items():
-        tint = box(UNIT * col, UNIT * row, UNIT, UNIT, "visited")
-        for first in times[1:MAX_VISITS]:
-            yield beat.shown_from(tint, first)
+        jumps = beat._replace(glides=False)
+        yield jumps.moving(f'<path d="{window}" class="shadow"/>', cells)
 
 
 def _trail(poses: Sequence[Pose | None], beat: Beat) -> Iterator[str]:

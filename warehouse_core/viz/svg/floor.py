@@ -5,13 +5,14 @@ All lengths are in hundredths of a cell.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from itertools import groupby, product
+from itertools import pairwise, product
 
 from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.render.palette import LOOK, hex_color
-from warehouse_core.viz.svg.beat import Beat, Span, extend
-from warehouse_core.viz.tracks.track import Frame, TileRows, Track
+from warehouse_core.viz.svg.beat import Beat, Span
+from warehouse_core.viz.tracks.track import Frame, TileRows, Track, cells_of
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, Cell, runs_of
 
 UNIT = 100
@@ -56,8 +57,9 @@ def floor_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -
             )
     all_tiles = [frame.tiles for frame in frames]
     yield from beat.each(_known(all_tiles), lambda tiles: "".join(_tiles(tiles, pixels)))
-    for hidden, cells in _unseen(all_tiles).items():
-        yield beat.shown(_covered(cells, 0, 'class="unseen"'), hidden)
+    hidden = {tiles: cells_of(UNSEEN, tiles) for tiles in dict.fromkeys(all_tiles)}
+    unseen = ([square(cell, 0) for cell in hidden[tiles]] for tiles in all_tiles)
+    yield from beat.all_of(unseen, '<path d="{}" class="unseen"/>')
     yield from _marks(track, frames, beat)
     if track.outer:
         edge, right, bottom = UNIT * track.outer, UNIT * width, UNIT * height
@@ -144,26 +146,11 @@ def _filled(line: str, later: str) -> str:
     return "".join(map(lambda now, then: then if now == UNSEEN else now, line, later))
 
 
-def _unseen(tiles: Sequence[TileRows]) -> dict[tuple[Span, ...], list[Cell]]:
-    """Return the cells that are unseen in some frames, grouped by the spans of these frames."""
-    hidden: dict[Cell, list[Span]] = {}
-    for rows, same in groupby(range(len(tiles)), key=tiles.__getitem__):
-        first, *others = same
-        for row, line in enumerate(rows):
-            for col in (col for left, right in runs_of(UNSEEN, line) for col in range(left, right)):
-                extend(hidden.setdefault((row, col), []), first, first + len(others) + 1)
-    cells: dict[tuple[Span, ...], list[Cell]] = {}
-    for cell, spans in hidden.items():
-        cells.setdefault(tuple(spans), []).append(cell)
-    return cells
-
-
-def _covered(cells: Sequence[Cell], inset: int, look: str) -> str:
-    """Return one shape that covers cells, except for a margin ``inset`` in each cell."""
-    side = UNIT - 2 * inset
-    square = f"h{side}v{side}h-{side}z"
-    boxes = (f"M{UNIT * col + inset} {UNIT * row + inset}{square}" for row, col in cells)
-    return f'<path d="{"".join(boxes)}" {look}/>'
+def square(cell: Cell, inset: float) -> str:
+    """Return the outline of a cell without a margin on all sides, as part of a path."""
+    (row, col), side = cell, UNIT * (1 - 2 * inset)
+    start = f"M{UNIT * (col + inset):g} {UNIT * (row + inset):g}"
+    return f"{start}h{side:g}v{side:g}h-{side:g}z"
 
 
 def _marks(track: Track, frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
@@ -171,26 +158,18 @@ def _marks(track: Track, frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
     marks = track.marks
     if marks is None:
         return
-    now: dict[Cell, tuple[int, int]] = {}
-    boxes: dict[tuple[int, Span], list[Cell]] = {}
-    following = 0
-
-    def end(cell: Cell, frame: int) -> None:
-        value, first = now.pop(cell, (0, frame))
-        if first < frame:
-            boxes.setdefault((value, (first, frame)), []).append(cell)
-
-    for number, frame in enumerate(frames):
-        while following < len(marks.times) and marks.times[following] <= frame.clock:
-            cell = marks.cells[following]
-            end(cell, number)
-            now[cell] = marks.values[following], number
-            following += 1
-    for cell in [*now]:
-        end(cell, beat.frames)
-    for (value, span), cells in boxes.items():
+    clocks, inset = [frame.clock for frame in frames], LOOK["mark"]["inset"]
+    changes: dict[Cell, list[tuple[int, int]]] = {}
+    for time, cell, value in zip(marks.times, marks.cells, marks.values, strict=True):
+        changes.setdefault(cell, []).append((bisect_left(clocks, time), value))
+    squares: dict[tuple[int, Span], list[str]] = {}
+    for cell, changed in changes.items():
+        for (first, value), (end, _) in pairwise([*changed, (beat.frames, 0)]):
+            if first < end:
+                squares.setdefault((value, (first, end)), []).append(square(cell, inset))
+    for (value, span), parts in squares.items():
         look = f'fill="{hex_color(marks.colors[value])}"'
-        yield beat.shown(_covered(cells, round(UNIT * LOOK["mark"]["inset"]), look), [span])
+        yield beat.shown(f'<path d="{"".join(parts)}" {look}/>', [span])
 
 
 def ends_of(track: Track) -> Iterator[str]:

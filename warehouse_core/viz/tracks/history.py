@@ -64,12 +64,12 @@ class History:
             self._was_loaded = pose.loaded
         self._read = max(self._read, len(frames))
 
-    def visits(self, step: int) -> dict[Cell, int]:
-        """Return how often the robot entered each cell in the first ``step`` steps."""
-        visits: dict[Cell, int] = {}
+    def entries(self, step: int) -> dict[Cell, list[int]]:
+        """Return the frames in which the robot entered each cell in the first ``step`` steps."""
+        entries: dict[Cell, list[int]] = {}
         before: Cell | None = None
-        for cell in self.cells[: step + 1]:
+        for number, cell in zip(self.frames[: step + 1], self.cells, strict=False):
             if cell is not None and cell != before:
-                visits[cell] = visits.get(cell, 0) + 1
+                entries.setdefault(cell, []).append(number)
             before = cell
-        return visits
+        return entries

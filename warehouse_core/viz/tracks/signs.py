@@ -91,7 +91,7 @@ def _traces(track: Track, *, has_item: bool) -> Iterator[Sign]:
     yield from _named(
         item=has_item or (any(PICKUP in line for line in frames[0].tiles) and track.marks is None),
         shadow=track.view_radius is not None and len(histories) == 1,
-        visited=any(max(h.visits(track.steps).values(), default=0) > 1 for h in histories),
+        visited=any(len(e) > 1 for h in histories for e in h.entries(track.steps).values()),
         trail=False in moves,
         trail_loaded=True in moves,
     )

@@ -335,3 +335,10 @@ class Track:
 def middle(cell: Cell) -> Point:
     """Return the centre of a cell as ``(x, y)``."""
     return cell[1] + 0.5, cell[0] + 0.5
+
+
+def cells_of(tile: str, rows: Sequence[str]) -> list[Cell]:
+    """Return the cells that have a tile."""
+    return [
+        (row, col) for row, line in enumerate(rows) for col, here in enumerate(line) if here == tile
+    ]
