@@ -20,7 +20,7 @@ import agents.__main__ as program
 from agents.lab.commands.cli import RENAMED_COMMANDS
 from agents.registry import make_agent
 from warehouse_core import Episode
-from warehouse_core.viz.export.gif_writer import GifWriter
+from warehouse_core.viz.gif_writer import GifWriter
 
 HEAVY = ("matplotlib", "scipy", "gymnasium", "pymunk", "jinja2", "rich", "PIL", "torch")
 FOR_OTHER_COMMANDS = ("gymnasium", "pymunk", "torch", "stable_baselines3", "sb3_contrib")

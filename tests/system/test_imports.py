@@ -33,7 +33,6 @@ MAY_IMPORT = {
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/render": "arguments errors task world",
     "warehouse_core/warehouse_env": "arguments copies errors listing motion task wording world",
-    "warehouse_core/viz/export": "errors extras render",
     "warehouse_core/fleet": (
         "arguments batch errors listing motion orders renamed task wording world"
     ),
@@ -49,13 +48,13 @@ MAY_IMPORT = {
     "warehouse_core/viz/axes": "records render world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
     "warehouse_core/viz/player": "arguments files orders render viz/tracks wording world",
-    "warehouse_core/viz/svg": "arguments errors render viz/tracks wording world",
+    "warehouse_core/viz/svg": "arguments errors records render viz/tracks wording world",
     "warehouse_core/viz": (
-        "arguments errors files fleet records render viz/axes viz/export viz/player viz/svg "
+        "arguments errors extras files fleet records render viz/axes viz/player viz/svg "
         "viz/tracks warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": (
-        "arguments errors files records render viz viz/export viz/player viz/tracks warehouse_env"
+        "arguments errors files records render viz viz/player viz/tracks warehouse_env"
     ),
     "warehouse_physics/disturbances": "",
     "warehouse_physics/exclusive": "",

@@ -73,8 +73,7 @@ from warehouse_core import (
     shelf_layout,
 )
 from warehouse_core.records.plans import StepPlans
-from warehouse_core.viz.axes.congestion import congestion_picture
-from warehouse_core.viz.axes.heat_map import heat_map
+from warehouse_core.viz.axes.heat_map import congestion_picture, heat_map
 from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.viz.player import player_page
 from warehouse_core.viz.scene import Scene

@@ -24,8 +24,7 @@ from warehouse_core.render.palette import (
     WARNING,
     color_named,
 )
-from warehouse_core.viz.axes import style_chart
-from warehouse_core.viz.axes.look import SMALLEST
+from warehouse_core.viz.axes import SMALLEST, style_chart
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.line_of_text import LineOfText
 from warehouse_core.viz.shapes import BAR, Shape, Shapes, line_width, lines, polygons

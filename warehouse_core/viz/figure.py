@@ -23,8 +23,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
-from warehouse_core.viz.axes.look import POINTS
-from warehouse_core.viz.export.gif_writer import ColorValues
+from warehouse_core.viz.axes import POINTS
+from warehouse_core.viz.gif_writer import ColorValues
 from warehouse_core.viz.line_of_text import LineOfText
 
 DPI = 100

@@ -6,7 +6,7 @@ import math
 import sys
 from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from matplotlib.animation import FuncAnimation
 from matplotlib.backend_bases import Event, KeyEvent
@@ -16,10 +16,9 @@ from warehouse_core.arguments import flag, real_number
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.window import has_display
-from warehouse_core.viz.export import FORMATS, has_live_terminal, progress_bar
-from warehouse_core.viz.export.gif_writer import GifWriter
-from warehouse_core.viz.export.mp4_frames import mp4_frames
-from warehouse_core.viz.figure import SceneFigure, make_figure, make_window, save_svg
+from warehouse_core.viz.export import FORMATS, has_live_terminal, mp4_frames, progress_bar
+from warehouse_core.viz.figure import make_figure, make_window, save_svg
+from warehouse_core.viz.gif_writer import GifWriter
 from warehouse_core.viz.player import player_frame, save_page
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.svg import animated_svg
@@ -41,25 +40,6 @@ LONG = 300
 
 GIF_FRAMES_APART = 2
 """Number of frames of a continuous motion between two frames of a GIF, which also has the last."""
-
-
-class Playable(Protocol):
-    """A figure that can show any of its frames."""
-
-    root: SceneFigure
-
-    def __len__(self) -> int:
-        """Return the number of frames."""
-
-    @property
-    def still(self) -> int:
-        """Number of the frame for a still picture."""
-
-    def show(self, frame: int) -> None:
-        """Show a frame."""
-
-    def toggle_arrows(self) -> None:
-        """Hide or show the arrows of bodies from the next frame on."""
 
 
 class Replay(FuncAnimation):
@@ -90,7 +70,7 @@ class Replay(FuncAnimation):
 
     def __init__(
         self,
-        scene: Playable,
+        scene: Scene,
         tracks: Sequence[Track],
         frame_ms: float,
         *,

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.text import Text
 
 from warehouse_core.render.palette import INK
-from warehouse_core.viz.axes.look import POINTS, box_in
+from warehouse_core.viz.axes import POINTS, box_in
 from warehouse_core.viz.charts import BatteryBar, Chart, Charted, charts_of, share_scales
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.legend import draw_legend, signs_of

@@ -19,7 +19,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike
 
 from warehouse_core.render.palette import INK, LOOK, PAPER, Color
-from warehouse_core.viz.axes.look import POINTS
+from warehouse_core.viz.axes import POINTS
 from warehouse_core.viz.tracks.track import Point
 
 DOTS = (0.01, 1.6)

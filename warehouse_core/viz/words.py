@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 
-from warehouse_core.viz.axes.look import POINTS
+from warehouse_core.viz.axes import POINTS
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import counted, seconds_of
 

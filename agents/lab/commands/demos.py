@@ -150,7 +150,7 @@ def lanes() -> Demo:
     )
 
     def draw() -> SceneFigure:
-        from warehouse_core.viz.axes.congestion import congestion_picture
+        from warehouse_core.viz.axes.heat_map import congestion_picture
         from warehouse_core.viz.figure import make_figure
 
         title = f"{ROBOTS} robots planned by PIBT, with the same orders"

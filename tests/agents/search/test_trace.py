@@ -152,4 +152,3 @@ def test_a_page_has_the_marks_of_a_search() -> None:
     shown = replay_of_tracks(track_of_course(found), window=False)
     [track] = said_by(page_in(shown._repr_html_()))["tracks"]
     assert track["marks"]["value"] == [*found.marks.values]
-    assert track["marks"]["names"] == [*MARK_COLORS]

@@ -1,6 +1,6 @@
 """The steps in which robots of a fleet are held up, apart from those in which they have no order.
 
-``tests/core/viz/axes/test_congestion.py`` has the other rules, by cells.
+``tests/core/viz/axes/test_heat_map.py`` has the other rules, by cells.
 """
 
 import numpy as np

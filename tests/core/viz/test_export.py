@@ -26,11 +26,10 @@ from helpers.terminal import Terminal
 from PIL import Image, ImageSequence
 
 from warehouse_core.errors import FormatError
-from warehouse_core.viz.export import FORMATS, progress_bar
-from warehouse_core.viz.export import formats as export
-from warehouse_core.viz.export.gif_writer import GifWriter, indexed
-from warehouse_core.viz.export.mp4_frames import mp4_frames
+from warehouse_core.viz import export
+from warehouse_core.viz.export import FORMATS, mp4_frames, progress_bar
 from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.viz.gif_writer import GifWriter, indexed
 from warehouse_core.wording import printable
 
 FRAMES = 7
@@ -212,7 +211,7 @@ def test_a_full_disk_is_an_error_of_the_file(tmp_path: Path) -> None:
 def test_ffmpeg_that_ends_early_is_an_error_of_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("warehouse_core.viz.export.mp4_frames.ffmpeg", lambda: "/bin/false")
+    monkeypatch.setattr("warehouse_core.viz.export.ffmpeg", lambda: "/bin/false")
     with pytest.raises(OSError, match="ffmpeg ended with exit code 1: "):
         saved(tmp_path, ".mp4")
     assert not list(tmp_path.iterdir())

@@ -1,4 +1,4 @@
-"""Heat maps of a layout, which show how often something happened in each cell.
+"""Heat maps of layouts, which show how often something happened in each cell.
 
 ``H`` is the height of the layout and ``W`` its width, in cells.
 """
@@ -6,8 +6,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,8 +18,10 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
+from warehouse_core.records.episode import FleetEpisode
+from warehouse_core.records.held_up import held_up
 from warehouse_core.render.palette import COLORS, INK, PALETTE, PAPER, SHELF, Color
-from warehouse_core.viz.axes.look import POINTS, box_in, draw_grid
+from warehouse_core.viz.axes import POINTS, box_in, draw_grid
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
 
 CellCounts = NDArray[np.int64]
@@ -34,6 +36,15 @@ LEFT, RIGHT, TOP, BOTTOM = 0.36, 0.72, 0.5, 0.34
 MIN_PANEL = 3.3
 """Smallest width of a panel, in inches: enough for the longest title with the largest numbers."""
 BAR, BAR_GAP = 0.11, 0.09
+
+PANEL, MAX_PANEL_CELL, SPACE = 6.2, 0.4, 0.55
+"""Width of a panel of congestion, largest side of its cells, and space around it, in inches."""
+
+HEAD, PANEL_HEAD, FOOT, WIDE_BAR = 0.95, 0.6, 1.35, 0.22
+TITLE, WORDS, SMALL = 23, 25, 15
+"""Font sizes of congestion in points, large enough for a picture that is shown to a class."""
+
+AnyFigure = TypeVar("AnyFigure", bound=Figure)
 
 TITLE_SIZE, MIN_SIZE = 11.0, 9.0
 """Font sizes in points, of titles and of the smallest text; 9 points are 12 CSS pixels. Counts that
@@ -163,3 +174,59 @@ def _draw_bar(axes: Axes, heat: PatchCollection) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=True))
     axes.yaxis.set_major_formatter(EngFormatter(sep=""))
     axes.tick_params(length=2, labelsize=MIN_SIZE, labelcolor=INK, color=INK, pad=1.5)
+
+
+def held_up_cells(episode: FleetEpisode) -> CellCounts:
+    """Return how often robots were held up in each cell, ``[H, W]``; see ``held_up``."""
+    layout, held = episode.layout, held_up(episode)
+    size = layout.height * layout.width
+    return np.bincount(episode.cells[:-1][held], minlength=size).reshape(
+        layout.height, layout.width
+    )
+
+
+def congestion_picture(
+    episodes: Mapping[str, FleetEpisode],
+    title: str,
+    make_figure: Callable[[tuple[float, float]], AnyFigure],
+) -> AnyFigure:
+    """Return heat maps of where robots were held up, with a common scale and the throughputs.
+
+    Args:
+        episodes: record of each panel, by its title; all layouts must have the same size.
+        title: title of the picture.
+        make_figure: function that returns a figure of a given width and height in inches.
+    """
+    panels = {name: held_up_cells(episode) for name, episode in episodes.items()}
+    highest = max(int(counts.max()) for counts in panels.values())
+    height, width = next(iter(panels.values())).shape
+    cell = min(PANEL / max(height, width), MAX_PANEL_CELL)
+    wide, high = cell * width, cell * height
+    bar_left = SPACE + len(panels) * (wide + SPACE)
+    size = bar_left + WIDE_BAR + 1.1, HEAD + PANEL_HEAD + high + FOOT
+    figure = make_figure(size)
+    figure.set_facecolor(PAPER)
+    style: dict[str, Any] = {"color": INK, "parse_math": False, "va": "center"}
+
+    def write(left: float, top: float, words: str, **options: Any) -> None:
+        figure.text(left / size[0], 1 - top / size[1], words, **style, **options)
+
+    write(SPACE, HEAD / 2, title, fontsize=TITLE, fontweight="bold")
+    top = HEAD + PANEL_HEAD
+    for number, (name, counts) in enumerate(panels.items()):
+        left, episode = SPACE + number * (wide + SPACE), episodes[name]
+        axes = figure.add_axes(box_in(size, left, top, wide, high))
+        heat = draw_heat(axes, episode.layout.rows, counts, cell * POINTS, highest, digits=False)
+        axes.tick_params(labelsize=10)
+        share = counts.sum() / max(episode.cells[:-1].size, 1)
+        write(left, HEAD + 0.25, name, fontsize=TITLE)
+        verdict = f"{episode.measures.per_hour:,.0f} deliveries per hour"
+        write(left, top + high + 0.55, verdict, fontsize=WORDS, fontweight="bold")
+        words = f"robots held up in {share:.0%} of their steps"
+        write(left, top + high + 1.0, words, fontsize=SMALL)
+    axes = figure.add_axes(box_in(size, bar_left, top, WIDE_BAR, high))
+    figure.colorbar(heat, cax=axes).outline.set_visible(False)
+    axes.yaxis.set_major_formatter(EngFormatter(sep=""))
+    axes.tick_params(length=2, labelsize=SMALL, labelcolor=INK)
+    axes.set_ylabel("times robots were held up in a cell", fontsize=SMALL, color=INK)
+    return figure

@@ -218,12 +218,12 @@ function drawRing({ context, theme }, { x, y }, radius) {
 }
 
 /** Draw where the robot of another track is. */
-export function drawGhost({ context, view, scale, theme }, { ghostX, ghostY }, { frame }) {
-  if (!ghostX.length) return;
+export function drawGhost({ context, view, scale, theme }, { ghost }, { frame }) {
+  if (!ghost.x.length) return;
   Object.assign(context, { strokeStyle: theme.ink, lineWidth: Math.max(theme.density, RIM * scale), lineCap: "butt" });
   context.setLineDash([3, 2].map((part) => part * context.lineWidth));
   context.beginPath();
-  context.arc(view.x(ghostX[frame]), view.y(ghostY[frame]), RADIUS * scale, 0, 2 * Math.PI);
+  context.arc(view.x(ghost.x[frame]), view.y(ghost.y[frame]), RADIUS * scale, 0, 2 * Math.PI);
   context.stroke();
   context.setLineDash([]);
 }

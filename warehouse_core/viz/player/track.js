@@ -177,8 +177,8 @@ export class Track {
 
   /** Return the points of the planned path of a single robot in a frame. */
   routeIn(frame) {
-    const { frame: frames, x, y } = this.route ?? { frame: [] };
-    return entriesIn(frames, frame).map((i) => [x[i], y[i]]);
+    const { x, y } = this.route;
+    return entriesIn(this.route.frame, frame).map((i) => [x[i], y[i]]);
   }
 
   /** Return the planned paths of a fleet in a frame, and the shortest paths from their ends to the goals. */

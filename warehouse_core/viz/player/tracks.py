@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from warehouse_core.orders.order import Order
 from warehouse_core.render.palette import hex_color
 from warehouse_core.viz.tracks.series import series_of
-from warehouse_core.viz.tracks.signs import signs_of
+from warehouse_core.viz.tracks.signs import look_of, signs_of
 from warehouse_core.viz.tracks.track import Frame, Marks, Track
 from warehouse_core.world.tiles import Cell
 
@@ -87,7 +87,7 @@ class Columns:
         return self._add("f4", np.asarray(values, "<f4").ravel(), is_delta=False, unit=1)
 
     def table(
-        self, names: str, rows: Sequence[Sequence[int | None]], unit: float = 1
+        self, names: str, rows: Sequence[Sequence[float | None]], unit: float = 1
     ) -> dict[str, Reference]:
         """Add rows of numbers, and return a reference to each column by name.
 
@@ -137,6 +137,7 @@ def packed(tracks: Sequence[Track], title: str, speed: float, opens_at: float | 
     end = max(moments[-1] for moments in times)
     is_search = any(track.marks for track in tracks)
     pairs = [*zip(tracks, times, strict=True)]
+    signs = (sign for track in tracks for sign in signs_of(track))
     page = {
         "title": title,
         "speed": min(DEFAULT_SPEED, end / MIN_SECONDS or 1.0) * speed,
@@ -144,7 +145,7 @@ def packed(tracks: Sequence[Track], title: str, speed: float, opens_at: float | 
         "opensAt": opens_at,
         "unit": "expansion" if is_search else "step",
         "tracks": [_track(track, moments, columns) for track, moments in pairs],
-        "legend": [*dict.fromkeys(sign for track in tracks for sign in signs_of(track))],
+        "legend": [(words, *look_of(name)) for name, words in dict.fromkeys(signs)],
         "charts": _charts(pairs, columns) if len(tracks) <= MAX_TRACKS else [],
     }
     return columns.packed(page)
@@ -184,6 +185,7 @@ def _track(track: Track, times: Sequence[float], columns: Columns) -> dict[str, 
     bodies = max(len(frame.robots) for frame in frames)
     tiles, tile_at = _indexed("".join(frame.tiles) for frame in frames)
     captions, caption_at = _indexed(_cut(frame.caption) for frame in frames)
+    route = [(index, *point) for index, frame in enumerate(frames) for point in frame.route]
     return {
         "title": _cut(track.title),
         "ending": _cut(track.ending),
@@ -203,10 +205,9 @@ def _track(track: Track, times: Sequence[float], columns: Columns) -> dict[str, 
         "time": columns.whole(times, is_delta=True, unit=MILLI),
         "progress": columns.real([frame.progress for frame in frames]),
         **_poses(track, bodies, columns),
-        "ghostX": columns.whole([x for x, _ in track.ghost], is_delta=True, unit=FINE),
-        "ghostY": columns.whole([y for _, y in track.ghost], is_delta=True, unit=FINE),
+        "ghost": columns.table("x y", track.ghost, FINE),
         "hits": _hits(frames, columns),
-        "route": _route(frames, columns),
+        "route": columns.table("frame x y", route, FINE),
         **_lines(frames, columns),
         "energy": columns.real([frame.energy for frame in frames] if track.is_measured else []),
         "battery": columns.real(track.metrics.get("battery", [])),
@@ -257,26 +258,11 @@ def _poses(track: Track, bodies: int, columns: Columns) -> dict[str, Any]:
 def _hits(frames: Sequence[Frame], columns: Columns) -> dict[str, Any]:
     found = [(index, hit) for index, frame in enumerate(frames) for hit in frame.hits]
     labels, label_at = _indexed(_cut(hit.label) for _, hit in found)
-    return {
-        "frame": columns.whole([index for index, _ in found], is_delta=True),
-        "x": columns.whole([hit.at[0] for _, hit in found], unit=FINE),
-        "y": columns.whole([hit.at[1] for _, hit in found], unit=FINE),
-        "robot": columns.whole([hit.robot for _, hit in found]),
-        "size": columns.whole([hit.size for _, hit in found], unit=MILLI),
-        "labels": labels,
-        "labelAt": columns.whole(label_at),
-    }
-
-
-def _route(frames: Sequence[Frame], columns: Columns) -> dict[str, Any] | None:
-    points = [(index, point) for index, frame in enumerate(frames) for point in frame.route]
-    if not points:
-        return None
-    return {
-        "frame": columns.whole([index for index, _ in points], is_delta=True),
-        "x": columns.whole([x for _, (x, _) in points], is_delta=True, unit=FINE),
-        "y": columns.whole([y for _, (_, y) in points], is_delta=True, unit=FINE),
-    }
+    rows = [
+        (index, *hit.at, hit.robot, hit.size, label)
+        for (index, hit), label in zip(found, label_at, strict=True)
+    ]
+    return {"labels": labels, **columns.table("frame x y robot size labelAt", rows, FINE)}
 
 
 def _lines(frames: Sequence[Frame], columns: Columns) -> dict[str, Any]:
@@ -296,12 +282,11 @@ def _lines(frames: Sequence[Frame], columns: Columns) -> dict[str, Any]:
 
 
 def _marks(marks: Marks, width: int, columns: Columns) -> dict[str, Any]:
+    cells = (_number(cell, width) for cell in marks.cells)
+    rows = [*zip(marks.times, cells, marks.values, strict=True)]
     return {
-        "time": columns.whole(marks.times, is_delta=True),
-        "cell": columns.whole(_numbers(marks.cells, width), is_delta=True),
-        "value": columns.whole(marks.values),
+        **columns.table("time cell value", rows),
         "colors": [hex_color(color) for color in marks.colors],
-        "names": [_cut(name) for name in marks.names],
         "ends": [list(cell) for cell in marks.ends],
     }
 
@@ -310,20 +295,20 @@ def _fleet(track: Track, robots: int, columns: Columns) -> dict[str, Any]:
     fleets = [frame.fleet for frame in track.frames if frame.fleet is not None]
     width = len(track.frames[0].tiles[0])
     battery = np.array([fleet.battery for fleet in fleets]).reshape(-1, robots)
-    paths: list[Cell] = []
+    paths: list[int] = []
     plans: list[tuple[int, int, int, int]] = []
     pushes: list[tuple[int, int, int]] = []
     for index, fleet in enumerate(fleets):
         for is_wish, planned in enumerate((fleet.plans.paths, fleet.plans.wishes)):
             for robot, path in planned.items():
-                paths += path
+                paths += [_number(cell, width) for cell in path]
                 plans.append((index, robot, is_wish, len(paths)))
         pushes += [(index, robot, pusher) for robot, pusher in fleet.plans.pushers.items()]
     held_up = [(step, _number(cell, width)) for step, cell in track.held_up]
     return {
         "battery": columns.whole(battery.T, is_delta=True, unit=MILLI),
         "plans": columns.table("frame robot isWish end", plans),
-        "paths": columns.whole(_numbers(paths, width), is_delta=True),
+        "paths": columns.whole(paths, is_delta=True),
         "pushes": columns.table("frame robot pusher", pushes),
         "heldUp": columns.table("step cell", held_up),
         **({} if track.orders is None else _orders(track, track.orders, width, columns)),
@@ -347,10 +332,6 @@ def _orders(track: Track, orders: Sequence[Order], width: int, columns: Columns)
 def _number(cell: Cell, width: int) -> int:
     """Return a cell as the number ``row * width + col``."""
     return cell[0] * width + cell[1]
-
-
-def _numbers(cells: Iterable[Cell], width: int) -> list[int]:
-    return [_number(cell, width) for cell in cells]
 
 
 def _cut(text: str) -> str:

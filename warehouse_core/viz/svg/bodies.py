@@ -256,7 +256,7 @@ def _orders(waiting: Iterable[Waiting]) -> Iterator[str]:
 
 
 def _burst(hit: DrawnHit) -> str:
-    """Return a hit with its label. Those of several robots are equal, and shown once."""
+    """Return a hit with its label; equal hits of several robots are shown once."""
     x, y = (round(UNIT * place) for place in hit.at)
     star = shape("hit", "hit of-rim", f'transform="translate({x} {y}) scale({hit.size:.3g})"')
     at = f'x="{x}" y="{y - LABEL * hit.size:.0f}" font-size="{LABEL}"'

@@ -37,6 +37,15 @@ def signs_of(track: Track) -> list[Sign]:
     return [*_robots(track), *_tiles(track), *_events(track)]
 
 
+def look_of(name: str) -> tuple[str, str, str]:
+    """Return the look of a sign: its style on a page, its colour, and its shape in ``tiles.json``.
+
+    The colour is a name of the palette, or ``#rrggbb``. Signs without an own look are squares.
+    """
+    style, color, *shape = LOOK["signs"].get(name, ("square", name))
+    return style, color, "".join(shape)
+
+
 def _robots(track: Track) -> Iterator[Sign]:
     """Yield the signs of robots, people, items, batteries, plans and trails."""
     poses = [pose for frame in track.frames for pose in frame.robots if pose is not None]

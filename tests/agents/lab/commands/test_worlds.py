@@ -66,8 +66,8 @@ def test_the_grid_has_no_seconds_but_steps_as_long_as_moves_of_the_body(
     assert grid["time"] == [GRID_SECONDS * step for step in range(19)]
     assert grid["captions"][-1] == "delivered in 18 steps; the minimum is 18"
     assert icy["captions"][-1] == "Step 2 ended 0.6 m short of (6, 1)"
-    assert grid["ghostX"] == []
-    assert len(icy["ghostX"]) == len(icy["time"]) == len(icy["ghostY"])
+    assert grid["ghost"] == {"x": [], "y": []}
+    assert len(icy["ghost"]["x"]) == len(icy["time"]) == len(icy["ghost"]["y"])
     assert body["time"][-1] == pytest.approx(float(rows["seconds"][1]), abs=0.06)
     assert pytest.approx(RobotSpec().move_seconds(loaded=False), abs=0.01) == GRID_SECONDS
 

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from warehouse_core.viz.axes.heat_map import (
-    TICK_ROOM,
-    draw_heat,
-    heat_map,
-)
+from warehouse_core import FleetEnv, Layout
+from warehouse_core.records import FleetEpisode, FleetRecorder
+from warehouse_core.viz.axes.heat_map import TICK_ROOM, draw_heat, heat_map, held_up_cells
 
 ROWS = ["P..##", "..#.D"]
 
@@ -49,3 +47,29 @@ def test_panels_are_in_lines_of_two_with_a_bar_each(rows: list[str], panels: int
         assert boxes[2].x0 == boxes[0].x0
         assert (boxes[0].y0 - boxes[2].y1) * high > 0.5
     assert wide <= 9.7
+
+
+def driven(*actions: list[str]) -> FleetEpisode:
+    layout, starts = Layout(["...C.", "....."]), [(0, 1), (1, 4)]
+    env = FleetEnv(layout, 2, orders=None, starts=starts, max_steps=20)
+    recorder = FleetRecorder(env, seed=1)
+    for each in actions:
+        recorder.step(each)
+    return recorder.episode
+
+
+def test_waiting_being_blocked_and_turning_back_hold_robots_up() -> None:
+    # Robot 0 waits, goes east, turns back, goes west; robot 1 is blocked by the border.
+    episode = driven(["WAIT", "E"], ["E", "W"], ["W", "W"], ["W", "W"])
+    assert held_up_cells(episode).tolist() == [[0, 1, 1, 0, 0], [0, 0, 0, 0, 1]]
+
+
+def test_charging_and_ways_around_corners_do_not_hold_robots_up() -> None:
+    episode = driven(["E", "W"], ["E", "W"], ["WAIT", "N"], ["S", "E"], ["W", "E"])
+    assert held_up_cells(episode).sum() == 0
+    assert held_up_cells(driven(*[["PICK", "DROP"]] * 3)).sum() == 0
+
+
+def test_a_wait_between_two_moves_is_counted_once() -> None:
+    episode = driven(["E", "W"], ["WAIT", "W"], ["W", "W"])
+    assert held_up_cells(episode).tolist() == [[0, 0, 1, 0, 0], [0] * 5]

@@ -1,7 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { lookOf } from "../../../../warehouse_core/viz/player/legend.js";
 import { marksUntil } from "../../../../warehouse_core/viz/player/track.js";
 
 const marks = { time: [0, 1, 1, 3], cell: [5, 6, 5, 7], value: [0, 0, 1, 0] };
@@ -13,10 +12,4 @@ test("marks at a time are the last of each cell, however the time came about", (
   assert.deepEqual(at(0.5), [[5, 0]]);
   assert.deepEqual(at(1), [[5, 1], [6, 0]]);
   assert.deepEqual(at(0), [[5, 0]]);
-});
-
-test("signs have the colour of their name, of their age, or their own", () => {
-  const theme = { wall: "black", robot: "red", orders: ["yellow", "gold"] };
-  const colors = ["wall", "R", "order-1", "#abcdef"].map((name) => lookOf(name, theme).color);
-  assert.deepEqual(colors, ["black", "red", "gold", "#abcdef"]);
 });

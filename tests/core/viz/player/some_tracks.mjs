@@ -31,7 +31,7 @@ export function trackOf(bodies, changes = {}) {
     captionAt: counting,
     viewRadius: null,
     slippery: [],
-    route: null,
+    route: { frame: [], x: [], y: [] },
     fleet: null,
     marks: null,
     ...changes,

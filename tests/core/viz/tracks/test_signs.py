@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from warehouse_core.records.plans import StepPlans
-from warehouse_core.render.palette import LOOK
-from warehouse_core.viz.tracks.signs import signs_of
+from warehouse_core.render.palette import LOOK, PALETTE
+from warehouse_core.viz.tracks.signs import look_of, signs_of
 from warehouse_core.viz.tracks.track import (
     DrawnHit,
     FleetFrame,
@@ -120,6 +120,15 @@ def test_bodies_have_signs_of_what_their_pictures_show() -> None:
     ]
     ghost = Track([Frame((".",), (poses[0],), 0.0)], {}, is_continuous=True, ghost=[(0.5, 0.5)])
     assert of_track(ghost) == {"robot (empty)", "ghost of the other robot"}
+
+
+def test_all_signs_have_a_colour_of_the_palette_and_a_shape_that_exists() -> None:
+    colors = PALETTE["light"].keys() | PALETTE["both"]
+    assert LOOK["signs"].keys() <= {*LOOK["words"], *(f"order-{age}" for age in range(4))}
+    for name in (*LOOK["words"], *LOOK["signs"]):
+        _, color, shape = look_of(name)
+        assert color in colors or color[0] == "#"
+        assert shape in ("", *LOOK["shapes"])
 
 
 def test_orders_of_a_fleet_have_signs_by_their_age() -> None:
