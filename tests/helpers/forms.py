@@ -2,7 +2,7 @@
 
 import pytest
 
-MODULES = ("motion.grid",)
+MODULES = ("motion.grid", "batch.fleets")
 """Modules of the core that have loops."""
 
 

@@ -29,7 +29,7 @@ MAY_IMPORT = {
     "warehouse_core/motion": "arguments compiled errors extras wording world",
     "warehouse_core/orders": "arguments errors files wording world",
     "warehouse_core/task": "arguments errors wording world",
-    "warehouse_core/batch": "arguments errors listing motion orders task wording world",
+    "warehouse_core/batch": "arguments compiled errors listing motion orders task wording world",
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/render": "arguments errors task world",
     "warehouse_core/warehouse_env": "arguments copies errors listing motion task wording world",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,19 +19,33 @@ from warehouse_core.batch.array_env import (
 )
 from warehouse_core.batch.fleet_settings import STEPS, FleetSettings
 from warehouse_core.batch.floor import ALL, FleetFloor
+from warehouse_core.batch.kernels import (
+    CHARGES,
+    DELIVERED,
+    OUT,
+    OVER,
+    PICKED,
+    Fleets,
+    Motions,
+    judge_all,
+)
 from warehouse_core.batch.order_books import OrderBooks
 from warehouse_core.batch.people import MingledMotion, Walkers
 from warehouse_core.batch.robots import HeadedRobots, RobotArrays
 from warehouse_core.batch.tally import FleetMeasures, Tally
+from warehouse_core.batch.verdicts import VERDICTS
+from warehouse_core.compiled import IS_COMPILED
 from warehouse_core.errors import LayoutError
 from warehouse_core.motion.backends import Backend, make_fleet_motion, make_motion
-from warehouse_core.motion.base import BaseBatchMotion, BatchOutcome, check_starts
+from warehouse_core.motion.base import WALL, BaseBatchMotion, BatchOutcome, check_starts
+from warehouse_core.motion.grid import GridFleetBatch
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.task.rules import judge
 from warehouse_core.task.starts import empty_cells
+from warehouse_core.wording import brief
 from warehouse_core.world.actions import PICK
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows
+from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows, size_of
 from warehouse_core.world.tiles import EMPTY
 
 
@@ -72,10 +86,33 @@ def _fixed(layout: Layout, settings: FleetSettings) -> list[int]:
     return list(map(layout.number, cells))
 
 
+Numbers = NDArray[np.intp]
 NO_HEADINGS = NO_ROWS = np.empty(0, np.intp)
+NO_FLAGS = np.empty(0, np.bool_)
+
+MOTION_TYPES = np.intp, np.bool_, np.float64, np.float64, np.intp, np.bool_
+"""Types of the fields of ``Motions``."""
 
 TAKEN = judge(PICK, EMPTY, False, False)
 """Verdict on a robot whose item has just been taken by another robot."""
+
+
+class Judged(NamedTuple):
+    """The results of the rules for ``N`` robots in a step.
+
+    Attributes:
+        rewards: ``[N]`` rewards, 0 for robots that had ended before.
+        picked: rows of robots on a pickup that have picked.
+        delivered: rows of robots that have delivered their items.
+        out: rows of robots that can no longer drive.
+        is_over: ``True`` if a floor has reached the limit of steps.
+    """
+
+    rewards: NDArray[np.float64]
+    picked: Integers
+    delivered: Integers
+    out: Integers
+    is_over: bool
 
 
 class FleetEngine:
@@ -105,6 +142,9 @@ class FleetEngine:
         self.orders = OrderBooks(self.layouts, settings, floor) if settings.has_orders else None
         self._starts = [Placing(kind, settings) for kind in self.layouts.kinds]
         self.walkers = Walkers(settings.people, self.layouts)
+        self._is_grid = type(motion) is GridFleetBatch
+        sizes = [size_of(kind) for kind in self.layouts.kinds]
+        self._sizes = np.repeat(self.layouts.of_rows(sizes), settings.robots).astype(np.uintp)
         if settings.people.count:
             motion = MingledMotion(motion, settings.robots, self.walkers)
         self.motion = motion
@@ -113,7 +153,8 @@ class FleetEngine:
         self._wait = settings.actions.wait
         self.tally = Tally(floors, settings.robots, settings.people.count, settings.actions)
         self._streams = [np.random.default_rng() for _ in layouts]
-        self._charge = settings.battery.step_charge(make_motion(backend).cell_size)
+        self._costs_steps = settings.battery.unit == STEPS
+        self._step_charge = settings.battery.step_charge(make_motion(backend).cell_size)
         self.battery = np.zeros(rows)
         self.steps = np.zeros(floors, np.int32)
         self.terminated, self.truncated, self.failed, self.ended = np.zeros((4, rows), np.bool_)
@@ -145,22 +186,19 @@ class FleetEngine:
 
     def step(self, actions: NDArray[np.intp], over: Integers = NO_FLOORS) -> EngineStep:
         """Carry out one action for each robot; see ``Engine.step``."""
-        ended, had_item = self._rows_ended, self.robots.has_item
-        actions[ended] = self._wait
-        outcome, rewards, delivered, charging = self.robots.step(actions)
-        rewards[ended] = 0.0
-        if charging is not None:
-            charging[ended] = False
-        self.steps += 1
-        if self.orders:
-            self._book(self.orders, had_item, delivered, rewards)
-        self._use_batteries(outcome, charging)
+        ended = self._rows_ended
+        if len(ended):
+            actions[ended] = self._wait
+        outcome, counted = self.robots.move(actions)
         if outcome.failed is not None:
             self.failed = outcome.failed.copy()
-        self.tally.add(actions, outcome, charging, delivered, ended)
-        out = self._rows_out()
-        self._release(out)
-        self._end(delivered, out)
+        judge = self._judge_in_a_loop if IS_COMPILED else self._judge
+        judged = judge(actions, counted, outcome)
+        rewards = judged.rewards
+        if self.orders and (len(judged.picked) or len(judged.delivered)):
+            self._book(self.orders, judged)
+        self._release(judged.out)
+        self._end(judged)
         if self.settings.team_reward:
             teams = rewards.reshape(-1, self.settings.robots)
             teams[:] = teams.mean(axis=1, keepdims=True)
@@ -209,27 +247,95 @@ class FleetEngine:
         """Close the motion backend."""
         self.motion.close()
 
-    def _book(
-        self, orders: OrderBooks, had_item: Flags, delivered: Flags, rewards: NDArray[np.float64]
-    ) -> None:
+    def _judge(self, actions: Numbers, counted: Numbers, outcome: BatchOutcome) -> Judged:
+        """Apply the rules to the robots, and count the step.
+
+        Args:
+            actions: ``[N]`` actions of the robots.
+            counted: ``[N]`` index in ``ACTIONS`` as which each action counts.
+            outcome: outcome of the motion.
+        """
+        ended, had_item, before = self._rows_ended, self.robots.has_item, self.battery
+        rewards, delivers, charging = self.robots.judge(counted, outcome)
+        rewards[ended] = 0.0
+        self.steps += 1
+        self.battery = before - (1.0 if self._costs_steps else outcome.joules)
+        self.battery[ended] = before[ended]
+        if charging is not None:
+            charging[ended] = False
+            if np.count_nonzero(charging):
+                self._charge(charging)
+        np.maximum(self.battery, 0.0, out=self.battery)  # the last step may cost more than is left
+        delivered = delivers.nonzero()[0]
+        self.tally.add(actions, outcome, charging, delivered, ended)
+        picked = (self.robots.has_item > had_item).nonzero()[0] if self.orders else NO_ROWS
+        is_over = bool(np.count_nonzero(self.steps >= self.settings.max_steps))
+        return Judged(rewards, picked, delivered, self._rows_out(), is_over)
+
+    def _judge_in_a_loop(self, actions: Numbers, counted: Numbers, outcome: BatchOutcome) -> Judged:
+        """Do the same as ``_judge`` with a compiled loop."""
+        count, robots = len(self.ended), self.robots
+        fleets = Fleets(
+            self.settings.robots, self.settings.max_steps, not self._costs_steps, self.steps,
+            robots.has_item, self.battery, self.ended, self.failed,
+        )  # fmt: skip
+        motions = self._checked(outcome)
+        robots.cells = motions.cells
+        rewards, events = np.empty(count), np.empty(count, np.uint8)
+        every = judge_all(
+            fleets, self._floor.for_kernels, VERDICTS, self.tally.for_kernels, motions,
+            actions, counted, rewards, events,
+        )  # fmt: skip
+        picked, delivered, out = (
+            (events & kind).nonzero()[0] if every & kind else NO_ROWS
+            for kind in (PICKED, DELIVERED, OUT)
+        )
+        if every & CHARGES:
+            self._charge((events & CHARGES) > 0)
+            np.maximum(self.battery, 0.0, out=self.battery)
+            out = self._rows_out()
+        return Judged(rewards, picked, delivered, out, every & OVER > 0)
+
+    def _checked(self, outcome: BatchOutcome) -> Motions:
+        """Return the outcome of a motion for a kernel, which reads wherever its numbers lead.
+
+        Raises:
+            ValueError: an array has the wrong shape, or a cell or an obstacle does not exist.
+        """
+        cells, blocked, seconds, joules, stopped_by, _, driving, _ = outcome
+        assert stopped_by is not None, "motions of fleets set it"
+        motions = Motions(
+            cells, blocked, seconds, joules, stopped_by, NO_FLAGS if driving is None else driving
+        )
+        if self._is_grid:
+            return motions
+        motions = Motions(*map(np.ascontiguousarray, motions, MOTION_TYPES))
+        shapes = {each.shape for each in motions if each is not NO_FLAGS}
+        # Negative numbers are very large as unsigned numbers.
+        if (
+            shapes != {self._sizes.shape}
+            or np.any(motions.cells.view(np.uintp) >= self._sizes)
+            or np.any((motions.stopped_by - WALL).view(np.uintp) >= self.settings.bodies - WALL)
+        ):
+            raise ValueError(f"the motion returned {brief(outcome)} for {len(self._sizes)} robots")
+        return motions
+
+    def _book(self, orders: OrderBooks, judged: Judged) -> None:
         """Record picks and deliveries, in the order of the robots."""
-        has_item, robots = self.robots.has_item, self.settings.robots
-        for row in (has_item > had_item).nonzero()[0].tolist():
+        robots, rewards = self.settings.robots, judged.rewards
+        for row in judged.picked.tolist():
             step = int(self.steps[row // robots])
             if not orders.take(row, int(self.robots.cells[row]), step):
-                has_item[row], rewards[row] = False, TAKEN.reward
-        for row in delivered.nonzero()[0].tolist():
+                self.robots.has_item[row], rewards[row] = False, TAKEN.reward
+        for row in judged.delivered.tolist():
             late = orders.deliver(row, int(self.steps[row // robots]))
             rewards[row] -= self.settings.late_penalty * late
 
-    def _use_batteries(self, outcome: BatchOutcome, charging: Flags | None) -> None:
-        battery, before = self.settings.battery, self.battery
-        self.battery = before - (1.0 if battery.unit == STEPS else outcome.joules)
-        self.battery[self._rows_ended] = before[self._rows_ended]
-        if charging is not None and np.count_nonzero(charging):
-            missing = battery.capacity - self.battery
-            self.battery += charging * battery.supplied(missing, self._charge)
-        np.maximum(self.battery, 0.0, out=self.battery)  # the last step may cost more than is left
+    def _charge(self, charging: Flags) -> None:
+        """Charge the batteries of some robots after the cost of the step."""
+        battery = self.settings.battery
+        missing = battery.capacity - self.battery
+        self.battery += charging * battery.supplied(missing, self._step_charge)
 
     def _release(self, out: Integers) -> None:
         """Release new orders, and handle the orders of robots that can no longer drive.
@@ -248,17 +354,19 @@ class FleetEngine:
                 freed = self.orders.lose(out, self.robots.cells[out])
                 self.robots.has_item[freed] = False
 
-    def _end(self, delivered: Flags, out: Integers) -> None:
+    def _end(self, judged: Judged) -> None:
         """Set the flags of robots that end in this step."""
-        robots, is_over = self.settings.robots, self.steps >= self.settings.max_steps
-        done = delivered
-        if self.orders:
-            done, is_over = self.orders.all_delivered, is_over | self.orders.rest_is_lost
-        if not (len(out) or np.count_nonzero(done) or np.count_nonzero(is_over)):
+        robots, orders, out = self.settings.robots, self.orders, judged.out
+        is_done = orders.has_ended if orders else len(judged.delivered)
+        if not (len(out) or is_done or judged.is_over):
             return
-        active = ~self.ended
-        self.terminated |= active & (np.repeat(done, robots) if self.orders else done)
-        is_out = np.zeros_like(active)
+        active, is_over = ~self.ended, self.steps >= self.settings.max_steps
+        done, is_out = np.zeros((2, len(active)), np.bool_)
+        if orders:
+            done, is_over = np.repeat(orders.all_delivered, robots), is_over | orders.rest_is_lost
+        else:
+            done[judged.delivered] = True
+        self.terminated |= active & done
         is_out[out] = True
         flat = np.flatnonzero(active & is_out & ~self.failed)
         if len(flat):
@@ -271,7 +379,7 @@ class FleetEngine:
         self._rows_ended = self.ended.nonzero()[0]
         self.running = len(self.ended) - len(self._rows_ended)
 
-    def _rows_out(self) -> Integers:
+    def _rows_out(self) -> Numbers:
         """Return the rows of robots that can no longer drive: battery empty, or failed."""
         return ((self.battery <= 0) | self.failed).nonzero()[0]
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.batch.fleet_settings import FleetSettings
-from warehouse_core.batch.verdicts import masks, sides_number, station_numbers
+from warehouse_core.batch.kernels import Ground
+from warehouse_core.batch.verdicts import STATION_NUMBERS, masks, sides_number, station_numbers
 from warehouse_core.errors import LayoutError
 from warehouse_core.task.encoding import NOWHERE, Window, marks
 from warehouse_core.world.distances import nearest
@@ -203,6 +204,9 @@ class FleetFloor(BatchFloor):
     margin of ``radius`` cells. A *spot* is an index into this array. Chargers and open orders are
     on the ground, below robots and people. With orders, the orders determine the stations;
     otherwise stations are tiles of the layouts.
+
+    Attributes:
+        for_kernels: tables and stations for the kernels of fleets.
     """
 
     def __init__(self, layouts: LayoutSet, settings: FleetSettings) -> None:
@@ -235,6 +239,11 @@ class FleetFloor(BatchFloor):
             self._ground[corner + chargers] = CELL_CODES[CHARGER]
         self._on_top = self._ground.copy()
         self._covered = self._robot_spots = self._corner_of[:0]
+        pickups, dropoffs = self._station_cells
+        self.for_kernels = Ground(
+            self._base, self._corner_of, self._spots, self._stations, STATION_NUMBERS,
+            self._ground, pickups, dropoffs, has_orders,
+        )  # fmt: skip
 
     def set_waiting(
         self, floors: Integers | int, cells: Integers, is_waiting: Integers | bool

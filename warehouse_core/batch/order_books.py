@@ -31,6 +31,7 @@ class OrderBooks:
             queues have no end.
         rest_is_lost: ``[B]`` flags of floors where at least one order of a list is lost and all
             others are delivered.
+        has_ended: ``True`` if any of these flags is set.
     """
 
     def __init__(self, layouts: LayoutSet, settings: FleetSettings, floor: FleetFloor) -> None:
@@ -47,6 +48,7 @@ class OrderBooks:
         self._behind = [NONE] * floors
         self.due = np.full(floors * settings.robots, NONE, np.int32)
         self._is_idle = np.ones((floors, settings.robots), np.bool_)
+        self.has_ended = False
         self._has_open, self.all_delivered, self.rest_is_lost = np.zeros((3, floors), np.bool_)
         self._touched: set[int] = set()
 
@@ -196,6 +198,8 @@ class OrderBooks:
             is_over = self._sources[self._layouts.kind[floor]].ends and book.is_done
             self.all_delivered[floor] = is_over and not book.lost
             self.rest_is_lost[floor] = is_over and book.lost
+        if self._sources[0].ends:
+            self.has_ended = bool(np.count_nonzero(self.all_delivered | self.rest_is_lost))
         if waiting:
             self._floor.set_waiting(*np.array(waiting).T)
         if rows:

@@ -42,7 +42,7 @@ class RobotArrays:
         self.has_item[rows] = False
 
     def step(
-        self, actions: Integers
+        self, actions: NDArray[np.intp]
     ) -> tuple[BatchOutcome, NDArray[np.float64], Flags, Flags | None]:
         """Carry out one action, 0 to 6, for each robot.
 
@@ -51,21 +51,30 @@ class RobotArrays:
             items, and flags of robots that charge. The last is ``None`` if no floor has a charger.
             The arrays belong to the caller.
         """
-        return self._carry_out(actions, actions)
+        outcome, judged = self.move(actions)
+        return outcome, *self.judge(judged, outcome)
 
-    def _carry_out(
-        self, moves: Integers, actions: Integers
-    ) -> tuple[BatchOutcome, NDArray[np.float64], Flags, Flags | None]:
-        """Carry out ``moves``, and judge the robots as if they did ``actions``; see ``step``."""
-        outcome = self.motion.advance(moves, self.has_item)
+    def move(self, actions: NDArray[np.intp]) -> tuple[BatchOutcome, NDArray[np.intp]]:
+        """Carry out the motion of one action for each robot.
+
+        Returns:
+            The outcome, and the index in ``ACTIONS`` as which each action counts.
+        """
+        outcome = self.motion.advance(actions, self.has_item)
         self.cells = outcome.cells
+        return outcome, actions
+
+    def judge(
+        self, actions: Integers, outcome: BatchOutcome
+    ) -> tuple[NDArray[np.float64], Flags, Flags | None]:
+        """Apply the rules to each robot in its new cell; see ``move`` and ``step``."""
         on = self.floor.stations(self.cells)
         if outcome.driving is not None:
             on = np.where(outcome.driving, NO_STATION, on)
         verdicts = verdict_numbers(actions, on, self.has_item, outcome.blocked)
         rewards, self.has_item, delivered = judge_all(verdicts)
         charges = charging(verdicts) if self.floor.has_chargers else None
-        return outcome, rewards, delivered, charges
+        return rewards, delivered, charges
 
     def masks(self) -> NDArray[np.int8]:
         """Return the masks ``[N, 7]`` int8: 1 for each action with an effect."""
@@ -122,14 +131,12 @@ class HeadedRobots(RobotArrays):
         super().place(rows, cells, seeds)
         self.headings[rows] = EAST
 
-    def step(
-        self, actions: Integers
-    ) -> tuple[BatchOutcome, NDArray[np.float64], Flags, Flags | None]:
-        """Carry out one of ``TURN_ACTIONS`` for each robot; see ``RobotArrays.step``."""
+    def move(self, actions: NDArray[np.intp]) -> tuple[BatchOutcome, NDArray[np.intp]]:
+        """Carry out the motion of one of ``TURN_ACTIONS`` for each robot."""
         entries = self.headings * len(TURN_ACTIONS) + actions
         self.motion.face(_TURNS.take(entries))
         self.headings = HEADING_AFTER.take(entries)
-        return self._carry_out(_MOVES.take(entries), COUNTS_AS.take(entries))
+        return super().move(_MOVES.take(entries))[0], COUNTS_AS.take(entries)
 
     def masks(self) -> NDArray[np.int8]:
         """Return the masks ``[N, 6]`` int8: 1 for each action with an effect."""

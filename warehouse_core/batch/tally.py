@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.batch.kernels import Kinds
 from warehouse_core.motion.base import BatchOutcome
 from warehouse_core.orders.order import Order
 from warehouse_core.world.moves import ActionSet
@@ -77,7 +78,11 @@ class FleetMeasures:
 
 
 class Tally:
-    """Counts of the steps of ``R`` robots on each of ``B`` floors."""
+    """Counts of the steps of ``R`` robots on each of ``B`` floors.
+
+    Attributes:
+        for_kernels: kinds and sums for the kernels of fleets.
+    """
 
     def __init__(self, floors: int, robots: int, people: int, actions: ActionSet) -> None:
         self._robots = robots
@@ -91,6 +96,10 @@ class Tally:
         self._joules = np.zeros(floors * robots)
         self._seconds = np.zeros(floors)
         self._deliveries = np.zeros(floors, np.int64)
+        self.for_kernels = Kinds(
+            self._kinds, self._kinds_by, WAITED, BUSY, CHARGED, ENDED, TURNED + 1,
+            self._counts.reshape(-1), self._joules, self._seconds, self._deliveries,
+        )  # fmt: skip
 
     def clear(self, floors: Integers) -> None:
         """Reset the counts of some floors."""
@@ -103,7 +112,7 @@ class Tally:
         actions: Integers,
         outcome: BatchOutcome,
         charging: Flags | None,
-        delivered: Flags,
+        delivered: Integers,
         ended: Integers,
     ) -> None:
         """Count one step of all ``N`` robots.
@@ -112,7 +121,7 @@ class Tally:
             actions: ``[N]`` actions of the robots.
             outcome: outcomes of the motion.
             charging: ``[N]`` flags of robots that charge; ``None`` on floors without chargers.
-            delivered: ``[N]`` flags of robots that deliver.
+            delivered: rows of robots that deliver.
             ended: rows of robots that had ended before the step.
         """
         did = self._kinds.take(actions)
@@ -127,7 +136,7 @@ class Tally:
         did[ended] = ENDED
         self._counts.reshape(-1)[self._first_counts + did] += 1
         self._joules += outcome.joules
-        for row in delivered.nonzero()[0].tolist():
+        for row in delivered.tolist():
             self._deliveries[row // self._robots] += 1
         self._seconds += np.maximum.reduce(outcome.seconds.reshape(-1, self._robots), axis=1)
 

@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.batch.kernels import Verdicts
 from warehouse_core.task.rules import CHARGE, judge, useful_actions
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tables import Flags, Integers
@@ -37,6 +38,8 @@ _REWARDS = np.array([verdict.reward for verdict in _VERDICTS])
 _HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
 _DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
 _CHARGES = np.array([verdict.charges for verdict in _VERDICTS])
+
+VERDICTS = Verdicts(len(STATION_KINDS), _REWARDS, _HAS_ITEM, _DELIVERED, _CHARGES)
 
 _MASK_BYTES = 8
 """Bytes of a mask with padding, because looking up eight bytes is much faster than seven."""
@@ -89,15 +92,16 @@ def spend_and_charge(battery: Integers, capacity: int, charging: Flags) -> None:
     battery += charging * np.minimum(capacity - battery, CHARGE)
 
 
-_STATION_NUMBERS = np.array(
+STATION_NUMBERS = np.array(
     [STATION_KINDS.index(tile) if tile in STATION_KINDS else NO_STATION for tile in CELL_CODES],
     np.int16,
 )
+"""Index into ``STATION_KINDS`` of each tile, by its code."""
 
 
 def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.int16]:
     """Return the indices ``[N]`` into ``STATION_KINDS`` of tiles, given by their codes."""
-    return _STATION_NUMBERS.take(tiles)
+    return STATION_NUMBERS.take(tiles)
 
 
 def sides_number(sides: Flags) -> NDArray[np.uint8]:

@@ -24,11 +24,10 @@ def test_each_step_is_counted_by_what_stopped_the_robot() -> None:
     expected = [[BY_ROBOT, BY_ROBOT, BY_PERSON], [BY_PERSON, BY_WALL, MOVED]]
     tally = Tally(2, robots, people, ACTION_SETS[COMPASS])
     obstacles = np.array(stopped_by).ravel()
-    cells, ones = np.zeros(6, np.intp), np.ones(6)
+    cells, ones, none = np.zeros(6, np.intp), np.ones(6), np.array([], np.intp)
     for _ in range(2):
         outcome = BatchOutcome(cells, obstacles != NOTHING, ones, ones, obstacles)
-        none = np.zeros(6, np.bool_)
-        tally.add(np.full(6, EAST), outcome, None, none, np.array([], np.intp))
+        tally.add(np.full(6, EAST), outcome, None, none, none)
     for floor, kinds in enumerate(expected):
         counts = tally.counts(floor)
         assert counts.sum() == 2 * robots
@@ -43,7 +42,7 @@ def test_a_robot_at_rest_waits_charges_handles_items_or_has_ended() -> None:
         driving=np.arange(5) == kinds.index(BUSY),
     )  # fmt: skip
     actions = np.array([WAIT, WAIT, WAIT, PICK, EAST])
-    charging, delivered = np.arange(5) == kinds.index(CHARGED), np.arange(5) == 3
+    charging, delivered = np.arange(5) == kinds.index(CHARGED), np.array([3])
     tally.add(actions, outcome, charging, delivered, np.array([kinds.index(ENDED)]))
     assert [tally.counts(0)[kind].tolist() for kind in kinds] == np.eye(5, dtype=int).tolist()
     measures = tally.measures(0, 1, None)

@@ -1,14 +1,17 @@
 """Fleets give the same results with NumPy and with the loops that Numba compiles, bit for bit."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from copy import copy
 from typing import Any
 
 import numpy as np
 import pytest
 from helpers.forms import use_loops
 
-from warehouse_core import FleetEnv, Layout, OrderQueue, People, shelf_layout
+from warehouse_core import FleetEnv, GridMotion, Layout, OrderQueue, People, shelf_layout
 from warehouse_core.fleet import Battery, FleetBatch
+from warehouse_core.motion.base import BatchOutcome
+from warehouse_core.motion.grid import GridFleetBatch
 
 SMALL, WIDE = Layout(["P..C", ".#..", "...D"]), Layout(["P.C.#D..", "..D....P"])
 SHELVES = shelf_layout(2, 2, 3, pickups=2, dropoffs=2, chargers=2)
@@ -86,3 +89,62 @@ def test_both_forms_give_equal_results_on_many_floors(
             found += [flat(value) for value in step]
         each.append([*found, [batch.measures(fleet) for fleet in range(4)]])
     assert each[0] == each[1]
+
+
+class ForeignBatch(GridFleetBatch):
+    """A motion whose outcomes are changed before they are returned."""
+
+    def __init__(self, change: Callable[[BatchOutcome], BatchOutcome]) -> None:
+        super().__init__([SMALL], 1.0, 2)
+        self.change_outcome = change
+
+    def advance(self, actions: Any, loaded: Any) -> BatchOutcome:
+        return self.change_outcome(super().advance(actions, loaded))
+
+
+class ForeignMotion(GridMotion):
+    def __init__(self, change: Callable[[BatchOutcome], BatchOutcome]) -> None:
+        super().__init__()
+        self.change_outcome = change
+
+    def fleet_batch(self, layouts: Any, robots: int) -> ForeignBatch:
+        return ForeignBatch(self.change_outcome)
+
+
+def test_loops_accept_outcomes_of_other_types(monkeypatch: pytest.MonkeyPatch) -> None:
+    def other_types(outcome: BatchOutcome) -> BatchOutcome:
+        return outcome._replace(
+            cells=outcome.cells.astype(np.int32),  # type: ignore[arg-type]
+            seconds=np.repeat(outcome.seconds, 2)[::2],
+            stopped_by=outcome.stopped_by.tolist(),  # type: ignore[union-attr]
+        )
+
+    use_loops(monkeypatch, loops=True)
+    fleets = [FleetEnv(SMALL, 2, backend=ForeignMotion(change)) for change in (copy, other_types)]
+    for fleet in fleets:
+        fleet.reset(seed=1)
+    for actions in np.random.default_rng(0).integers(0, 7, (50, 2)):
+        native, foreign = (fleet.step(actions) for fleet in fleets)
+        assert flat(native[0]) == flat(foreign[0])
+    assert fleets[0].measures == fleets[1].measures
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda outcome: outcome._replace(cells=outcome.cells + 100),
+        lambda outcome: outcome._replace(cells=outcome.cells - 100),
+        lambda outcome: outcome._replace(stopped_by=outcome.stopped_by + 3),
+        lambda outcome: outcome._replace(stopped_by=outcome.stopped_by - 2),
+        lambda outcome: outcome._replace(joules=outcome.joules[:1]),
+        lambda outcome: outcome._replace(blocked=outcome.blocked[:, None]),
+    ],
+)
+def test_loops_read_no_outcome_that_leads_outside_of_their_tables(
+    change: Callable[[BatchOutcome], BatchOutcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use_loops(monkeypatch, loops=True)
+    fleet = FleetEnv(SMALL, 2, backend=ForeignMotion(change))
+    fleet.reset(seed=1)
+    with pytest.raises(ValueError, match="the motion returned"):
+        fleet.step(["WAIT", "WAIT"])
