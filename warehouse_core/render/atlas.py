@@ -8,27 +8,23 @@ coordinates of the points in pixels, ``x`` ``[1, n]`` and ``y`` ``[n, 1]``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache, partial
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.render.palette import (
-    BOARD,
     COLORS,
     FAINT,
-    ICE,
-    ICE_GLEAM,
-    ICE_WAVE,
     INK,
     ITEM,
     LOOK,
     PAPER,
-    SHELF,
-    UNKNOWN,
     Color,
     blend,
+    color_named,
 )
 from warehouse_core.world.tiles import (
     CELL_CODES,
@@ -57,6 +53,12 @@ STATIONS = (PICKUP, DROPOFF, CHARGER)
 
 SHELVES, BORDERS = "shelf", ("N", "S", "W", "E", "NW", "NE", "SW", "SE")
 """Sign of walls that are shelves, and signs of walls of a border, named after their sides."""
+
+TEXTURES = {UNSEEN: "unseen", SHELVES: "shelf", SLIPPERY: "ice"}
+"""Names of textures and of the colours below them, by tile or sign."""
+
+FINE = ("board", "wave")
+"""Colours of the parts of textures that tiles smaller than ``MIN_OUTLINED`` do not have."""
 
 CELLS = (
     *((sign, NO_ROBOT) if sign in TILES else (EMPTY, sign) for sign in CELL_CODES),
@@ -150,20 +152,21 @@ def noses(tile_pixels: int) -> NDArray[np.bool_]:
 def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     samples = SAMPLES if side <= MAX_SAMPLED else SAMPLES // 2
     points = np.empty((side * samples, side * samples, 3), np.uint8)
-    points[:] = color_bytes({WALL: COLORS[WALL], UNSEEN: UNKNOWN}.get(tile, COLORS[EMPTY]))
     along = (np.arange(side * samples) + 0.5) / samples
     x, y = along[None, :], along[:, None]
-    if tile == UNSEEN:
-        apart, width = (LOOK["unseen"][key] * side for key in ("apart", "width"))
-        stripe = (x + y) % apart < 2**0.5 * width
-        _fill(points, stripe, blend(UNKNOWN, COLORS[EMPTY], 0.3))
+    texture = TEXTURES.get(robot or tile)
+    ground = COLORS[WALL if tile == WALL else EMPTY]
+    points[:] = color_bytes(color_named(texture) if texture else ground)
+    if texture:
+        _draw_texture(points, x, y, side, texture)
     elif tile == WALL:
-        _draw_wall(points, x / side, y / side, robot, with_boards=side >= MIN_OUTLINED)
+        outside = {"N": y < (1 - BAND) * side, "S": y > BAND * side}
+        outside |= {"W": x < (1 - BAND) * side, "E": x > BAND * side}
+        for edge in robot:
+            _fill(points, outside[edge], PAPER)
     else:
         # Lines are always one pixel wide; on small tiles they are paler instead of narrower.
         _fill(points, (x < 1) | (y < 1), blend(COLORS[EMPTY], FAINT, min(1.0, side / 24)))
-    if robot == SLIPPERY:
-        _draw_ice(points, x / side, y / side, with_waves=side >= MIN_OUTLINED)
     inset = round(LOOK["station"]["inset"] * side)
     if tile in STATIONS:
         square = _within(inset, x, side - inset) & _within(inset, y, side - inset)
@@ -182,29 +185,22 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     return pixels
 
 
-def _draw_wall(points: Pixels, x: Places, y: Places, sign: str, *, with_boards: bool) -> None:
-    """Draw a shelf, or clear the part outside the border; coordinates are in cells."""
-    if sign == SHELVES:
-        inset, tops, thick = LOOK["shelf"].values()
-        points[:] = color_bytes(SHELF)
-        for top in tops if with_boards else ():
-            _fill(points, _within(inset, x, 1 - inset) & _within(top, y, top + thick), BOARD)
-        return
-    outside = {"N": y < 1 - BAND, "S": y > BAND, "W": x < 1 - BAND, "E": x > BAND}
-    for side in sign:
-        _fill(points, outside[side], PAPER)
+def _draw_texture(points: Pixels, x: Places, y: Places, side: int, name: str) -> None:
+    """Draw the polygons of a texture, without those that are too fine for small tiles."""
+    for color, polygons in LOOK["textures"][name].items():
+        if side >= MIN_OUTLINED or color not in FINE:
+            for corners in polygons:
+                _fill(points, _polygon(x / side, y / side, corners), color_named(color))
 
 
-def _draw_ice(points: Pixels, x: Places, y: Places, *, with_waves: bool) -> None:
-    """Draw slippery floor; coordinates are in cells."""
-    middles, left, length, bend, width = LOOK["ice"].values()
-    points[:] = color_bytes(ICE)
-    for low, high in LOOK["gleam"]:
-        _fill(points, _within(low, x + y, high), ICE_GLEAM)
-    crest = -bend / 2 * np.sin(2 * np.pi * (x - left) / length)
-    for middle in middles if with_waves else ():
-        wave = np.abs(y - middle - crest) < width / 2
-        _fill(points, wave & _within(left, x, 1 - left), ICE_WAVE)
+def _polygon(x: Places, y: Places, corners: Sequence[Sequence[float]]) -> Shape:
+    """Return the points inside a polygon, from which a ray crosses an odd number of edges."""
+    shape = np.zeros(np.broadcast_shapes(x.shape, y.shape), bool)
+    for (left, top), (right, bottom) in pairwise([*corners, corners[0]]):
+        if top != bottom:
+            edge = left + (right - left) * (y - top) / (bottom - top)
+            shape ^= ((top > y) != (bottom > y)) & (x < edge)
+    return shape
 
 
 def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> None:

@@ -21,14 +21,14 @@ export function drawFloor(brush, track, tiles) {
   const { width, height } = track;
   brush.fill("floor", 0, 0, width, height);
   if (width <= MAX_LINED_COLUMNS) drawLines(brush, width, height);
-  for (const [row, column] of track.slippery) drawWaves(brush, row, column);
+  for (const [row, column] of track.slippery) brush.fill("ice", column, row);
+  drawTexture(brush, "ice", track.slippery);
   drawRuns(brush, track, tiles, UNSEEN, "unseen");
-  drawStripes(brush, track, tiles);
+  drawTexture(brush, "unseen", placesOf(track, tiles, UNSEEN));
   drawRuns(brush, track, tiles, WALL, "shelf");
-  for (const [row, column] of placesOf(track, tiles, WALL)) {
-    if (isBorder(track, row, column)) brush.fill("wall", column, row);
-    else if (brush.scale >= MIN_TEXTURE) drawBoards(brush, row, column);
-  }
+  const walls = placesOf(track, tiles, WALL);
+  drawTexture(brush, "shelf", walls);
+  for (const [row, column] of walls) if (isBorder(track, row, column)) brush.fill("wall", column, row);
   if (track.outer) drawMargin(brush, track);
   for (const place of placesOf(track, tiles, STATIONS)) drawStation(brush, ...place);
 }
@@ -67,13 +67,19 @@ function drawRuns(brush, track, tiles, tile, color) {
   }
 }
 
-/** Draw the boards of a shelf, which is a wall within the border. */
-function drawBoards(brush, row, column) {
-  const { inset, boards, thickness } = LOOK.shelf;
-  const thick = Math.max(1, Math.round(brush.scale * thickness));
-  const [x, , width] = brush.view.box(column, row, 1, 1, inset);
-  for (const share of boards) {
-    brush.rect("board", x, Math.round(brush.view.y(row + share)), width, thick);
+/** Draw the polygons of a texture in some cells, if they are large enough. */
+function drawTexture(brush, name, cells) {
+  const { context, view, scale } = brush;
+  if (scale < MIN_TEXTURE) return;
+  for (const [color, polygons] of Object.entries(LOOK.textures[name])) {
+    brush.begin(color);
+    for (const [row, column] of cells) {
+      for (const [[x, y], ...others] of polygons) {
+        context.moveTo(view.x(column + x), view.y(row + y));
+        for (const [toX, toY] of others) context.lineTo(view.x(column + toX), view.y(row + toY));
+      }
+    }
+    context.fill();
   }
 }
 
@@ -141,45 +147,6 @@ function coveredCells(track, moment) {
     if (pose) cells.add(Math.floor(pose.y) * track.width + Math.floor(pose.x));
   }
   return cells;
-}
-
-/** Draw a slippery cell, which is wet: it gleams, and has waves. */
-function drawWaves(brush, row, column) {
-  const { context, view, scale } = brush;
-  const { waves, left, length, bend, width } = LOOK.ice;
-  brush.fill("ice", column, row);
-  brush.begin("gleam");
-  for (const [low, high] of LOOK.gleam) {
-    // The part of the cell between two diagonals, whose coordinates have these sums.
-    const [first, last] = [low, high].map((sum) => Math.min(sum, 1));
-    const corners = [[first, low - first], [last, high - last], [high - last, last], [low - first, first]];
-    for (const [i, [x, y]] of corners.entries()) {
-      context[i ? "lineTo" : "moveTo"](view.x(column + x), view.y(row + y));
-    }
-  }
-  context.fill();
-  brush.begin("wave");
-  context.lineWidth = Math.max(1, width * scale);
-  for (const share of waves) {
-    const [x, y, half] = [view.x(column + left), view.y(row + share), (length / 2) * scale];
-    context.moveTo(x, y);
-    context.quadraticCurveTo(x + half, y - bend * scale, x + 2 * half, y);
-    context.quadraticCurveTo(x + 3 * half, y + bend * scale, x + 4 * half, y);
-  }
-  context.stroke();
-}
-
-/** Draw diagonal stripes on cells that have not been seen yet. */
-function drawStripes(brush, track, tiles) {
-  const { context, view } = brush;
-  brush.begin("stripe");
-  context.lineWidth = Math.max(1, LOOK.unseen.width * view.scale);
-  for (const [row, column] of placesOf(track, tiles, UNSEEN)) {
-    const [x, y, width, height] = view.box(column, row);
-    context.moveTo(x, y + height);
-    context.lineTo(x + width, y);
-  }
-  context.stroke();
 }
 
 /** Darken everything outside the view of a robot. */

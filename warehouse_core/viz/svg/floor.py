@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from itertools import pairwise, product
+from itertools import pairwise
 
 from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.render.palette import LOOK, hex_color
@@ -50,11 +50,9 @@ def floor_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -
         lines = [f"M{UNIT * x} 0V{UNIT * height}" for x in range(1, width)]
         lines += [f"M0 {UNIT * y}H{UNIT * width}" for y in range(1, height)]
         yield f'<path d="{"".join(lines)}" class="of-line" stroke-width="2"/>'
-    for row, col in track.slippery:
-        if rows[row][col] != WALL:
-            yield (
-                box(UNIT * col, UNIT * row, UNIT, UNIT, "ice") + _gleam(row, col) + _waves(row, col)
-            )
+    wet = [(row, col) for row, col in track.slippery if rows[row][col] != WALL]
+    yield from (box(UNIT * col, UNIT * row, UNIT, UNIT, "ice") for row, col in wet)
+    yield from _texture("ice", wet)
     all_tiles = [frame.tiles for frame in frames]
     yield from beat.each(_known(all_tiles), lambda tiles: "".join(_tiles(tiles, pixels)))
     hidden = {tiles: cells_of(UNSEEN, tiles) for tiles in dict.fromkeys(all_tiles)}
@@ -67,30 +65,20 @@ def floor_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -
         yield box(0, 0, edge, bottom, "paper") + box(right - edge, 0, edge, bottom, "paper")
 
 
-def _gleam(row: int, col: int) -> str:
-    """Return the parts of a wet cell between diagonals whose coordinates have given sums."""
-    parts = []
-    for low, high in LOOK["gleam"]:
-        first, last = min(low, 1), min(high, 1)
-        corners = (
-            (first, low - first),
-            (last, high - last),
-            (high - last, last),
-            (low - first, first),
-        )
-        parts.append("L".join(f"{UNIT * (col + x):g} {UNIT * (row + y):g}" for x, y in corners))
-    return f'<path d="M{"zM".join(parts)}z" class="gleam"/>'
+def _texture(name: str, cells: Sequence[Cell]) -> Iterator[str]:
+    """Yield the polygons of a texture in some cells, as one shape for each colour."""
+    for color, polygons in LOOK["textures"][name].items():
+        outlines = (_outline(cell, corners) for cell in cells for corners in polygons)
+        if cells:
+            yield f'<path d="{"".join(outlines)}" class="{color}"/>'
 
 
-def _waves(row: int, col: int) -> str:
-    look = LOOK["ice"]
-    long, bend, width = (UNIT * look[name] for name in ("length", "bend", "width"))
-    waves = "".join(
-        f"M{UNIT * (col + look['left']):g} {UNIT * (row + share):g}"
-        f"q{long / 2:g} {-bend:g} {long:g} 0t{long:g} 0"
-        for share in look["waves"]
-    )
-    return f'<path d="{waves}" class="of-wave" stroke-width="{width:g}"/>'
+def _outline(cell: Cell, corners: Sequence[Sequence[float]]) -> str:
+    """Return the outline of a polygon in a cell, as part of a path."""
+    places = [(round(UNIT * x), round(UNIT * y)) for x, y in corners]
+    steps = [f"{to_x - x} {to_y - y}" for (x, y), (to_x, to_y) in pairwise(places)]
+    (row, col), (x, y) = cell, places[0]
+    return f"M{UNIT * col + x} {UNIT * row + y}l{' '.join(steps)}z"
 
 
 def _tiles(rows: TileRows, pixels: float) -> Iterator[str]:
@@ -99,22 +87,16 @@ def _tiles(rows: TileRows, pixels: float) -> Iterator[str]:
     for row, line in enumerate(rows):
         for left, right in runs_of(WALL, line):
             yield box(UNIT * left, UNIT * row, UNIT * (right - left), UNIT, "wall")
-    shelf, station = LOOK["shelf"], LOOK["station"]
-    middles = [share + shelf["thickness"] / 2 for share in shelf["boards"]]
-    inset, long = UNIT * shelf["inset"], UNIT * (1 - 2 * shelf["inset"])
-    boards: list[str] = []
+    shelves: list[Cell] = []
     for row, line in enumerate(rows[1:-1], start=1):
         for left, right in runs_of(WALL, line):
             left, right = max(left, 1), min(right, width - 1)
             if left < right:
                 yield box(UNIT * left, UNIT * row, UNIT * (right - left), UNIT, "shelf")
-                boards += [
-                    f"M{UNIT * col + inset:g} {UNIT * (row + share):g}h{long:g}"
-                    for col, share in product(range(left, right), middles)
-                ]
-    if boards and pixels >= MIN_LETTER:
-        thick = f'stroke-width="{UNIT * shelf["thickness"]:g}"'
-        yield f'<path d="{"".join(boards)}" class="of-board" {thick}/>'
+                shelves += [(row, col) for col in range(left, right)]
+    if pixels >= MIN_LETTER:
+        yield from _texture("shelf", shelves)
+    station = LOOK["station"]
     inset, side = UNIT * station["inset"], UNIT * (1 - 2 * station["inset"])
     size = UNIT * max(station["letter"], MIN_TEXT / pixels)
     for row, line in enumerate(rows):
