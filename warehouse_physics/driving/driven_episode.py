@@ -12,6 +12,7 @@ substep, because a robot that knows its path does not try it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import compress, pairwise
 from typing import Any, NamedTuple
@@ -30,7 +31,8 @@ CHUNK = 0.5
 """Seconds of driving after which the program looks whether the robot has arrived."""
 
 PATIENCE = 100.0
-"""Seconds for each cell of a leg after which a robot counts as stuck."""
+"""Seconds for each cell of a leg after which a robot counts as stuck. It also counts as stuck if it
+has stood still for as long, since no move takes longer than ``MAX_MOVE_SECONDS``."""
 
 STAY = (0, 0)
 
@@ -103,14 +105,18 @@ def _drive_through(motion: Any, cells: Sequence[Cell], trailing: int) -> Traject
         except ValueError as error:
             raise BackendError(f"the recorded body slid over a cell: {error}") from error
     done: list[Outcome] = []
+    moved = 0
     while not motion.routes().at_rest[0]:
-        if len(done) * CHUNK > PATIENCE * len(cells):
+        limit = min(PATIENCE * len(cells), moved * CHUNK + PATIENCE)
+        if len(done) * CHUNK > limit:
             x, y = done[-1].path[-1, 1:3]
             raise BackendError(
                 f"the robot has not arrived in {cells[-1]} after {len(done) * CHUNK:.0f} s; it is "
                 f"at x = {x:.2f} m, y = {y:.2f} m"
             )
         done += motion.drive(CHUNK)
+        if math.dist(*done[-1].path[[0, -1], 1:3]) > AT_REST * CHUNK:
+            moved = len(done)
     done += motion.drive((trailing + 1) * motion.spec.time_step)
     rows, contacts = _joined(done)
     last = np.flatnonzero(lengths_of(rows[:, 4:6]) > AT_REST).max(initial=-1)

@@ -85,7 +85,7 @@ def test_a_body_drives_the_path_of_the_grid_in_one_go(
     wheels = warehouse(*words, "driving:drive=differential,mass=60")
     assert rows_of(wheels.out)["outcome"] == ["delivered"]
     error = refused(*words, "grid,driving:grip=0.01")
-    assert error.startswith("the robot has not arrived in (4, 1) after 400 s")
+    assert error.startswith("the robot has not arrived in (4, 1) after 100 s")
 
 
 def test_slippery_cells_limit_the_ice(warehouse: Warehouse) -> None:
