@@ -19,15 +19,8 @@ ORDERS = {
         "import warehouse_core; from importlib.util import find_spec; find_spec('gymnasium');"
         "find_spec('gymnasium.envs'); import gymnasium; find_spec('gymnasium')"
     ),
-    "Gymnasium reloaded": (
-        "import warehouse_core, gymnasium, importlib; importlib.reload(gymnasium)"
-    ),
     "Gymnasium imported again": (
         f"import warehouse_core, gymnasium; {FORGET.format('gymnasium')}; import gymnasium"
-    ),
-    "the core imported again": (
-        f"import warehouse_core; {FORGET.format('warehouse_core')}; "
-        "import warehouse_core, gymnasium"
     ),
     "the core imported again later": (
         f"import warehouse_core, gymnasium; {FORGET.format('warehouse_core')}; "
@@ -37,13 +30,7 @@ ORDERS = {
         "import warehouse_core, importlib; importlib.reload(warehouse_core.registration);"
         "import gymnasium; importlib.reload(warehouse_core.registration)"
     ),
-    "the finder removed": (
-        "import warehouse_core; sys.meta_path.pop(0);import warehouse_core.gymnasium_env, gymnasium"
-    ),
     "the adaptor only": "import warehouse_core.gymnasium_env, gymnasium",
-    "a submodule of Gymnasium first": (
-        "import warehouse_core; from gymnasium.envs.registration import make; import gymnasium"
-    ),
     "a lazy loader": (
         "import warehouse_core, importlib.util as util; spec = util.find_spec('gymnasium');"
         "spec.loader = util.LazyLoader(spec.loader); gymnasium = util.module_from_spec(spec);"

@@ -20,17 +20,10 @@ RING = Layout(["...", ".#.", "..."])
 AROUND = np.array([0, 1, 2, 5, 8, 7, 6, 3])
 
 FULL = random_layout(14, 14, 0.2, seed=2)
-MAKERS = [
-    partial(Circulation, seed=1),
-    partial(WindowedPlanner, window=6, groups=6),
-]
 
 
-@pytest.mark.parametrize(("make", "empty"), [*zip(MAKERS, (4, 30), strict=True)])
-def test_steps_follow_the_rules_with_headings_and_without(
-    make: Callable[[Graph], PlacePlanner], empty: int
-) -> None:
-    robots = len(FULL.open_cells) - empty
+def test_steps_follow_the_rules_with_headings_and_without() -> None:
+    robots, make = len(FULL.open_cells) - 4, partial(Circulation, seed=1)
     assert check_headed_planner(make, FULL, robots) > 5
     assert check_planner(make, random_problem(FULL, robots, seed=3), 20, seed=4) > 20
 
@@ -106,7 +99,7 @@ def test_robots_wait_until_others_that_go_elsewhere_have_come_out_of_dead_ends()
     assert waits_for_exits(tree, np.array([1, 4]), np.array([7, 0])).tolist() == [False, False]
 
 
-@pytest.mark.parametrize("make", [Circulation, *MAKERS[1:]])
+@pytest.mark.parametrize("make", [Circulation, partial(WindowedPlanner, window=6, groups=6)])
 def test_robots_that_meet_in_a_dead_end_come_past_each_other(
     make: Callable[[Graph], PlacePlanner],
 ) -> None:

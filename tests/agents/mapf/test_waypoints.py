@@ -8,7 +8,6 @@ from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
-from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
 
 LAYOUT = random_layout(30, 30, 0.2, seed=1)
@@ -20,7 +19,7 @@ def _few_fields(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MAX_BYTES", ROWS * 4 * 900)
 
 
-@pytest.mark.parametrize("kind", [PIBT, Circulation, WindowedPlanner])
+@pytest.mark.parametrize("kind", [PIBT, Circulation])
 def test_few_fields_are_kept_and_robots_reach_almost_as_many_goals(
     kind: type, monkeypatch: pytest.MonkeyPatch
 ) -> None:
