@@ -1,21 +1,30 @@
-"""Escapes from deadlocks: planned moves of some robots, one after another, for a stuck fleet.
+"""Escapes from jams: a joint plan that brings one robot of a stuck fleet to its goal.
 
-In a narrow place, robots may wait forever for one another, or for people who wait for them. A
-search over the cells of the robots and people around one robot finds moves that bring it to its
-goal.
+In a narrow place, robots may wait forever for one another, or for people who wait for them. LaCAM
+then searches the joint steps of the robots and people around one robot, the chief, for a plan that
+brings it to its goal. All others go away from that goal, so that the chief can pass them.
+
+The search is complete: it finds a plan for the chief if one exists, given enough time. No plan
+exists if robots that stay, such as robots with a flat battery, cut the chief off, or if nobody has
+room to let it pass. A person may also refuse to follow a plan, and people may enclose a robot.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from heapq import heappop, heappush
 from typing import NamedTuple
 
 import numpy as np
 
 from agents.mapf.assignment import NONE
 from agents.mapf.graph import CLOSED, Fields
+from agents.mapf.kernels import lacam
+from agents.mapf.kernels import pibt as kernels
+from agents.mapf.kernels.buffers import buffer_of, table_of
+from agents.mapf.kernels.epibt import epibt_of
+from agents.mapf.kernels.pibt import pibt_of
 from agents.mapf.kernels.places import FAR
+from agents.mapf.kernels.robots import robots_of
+from warehouse_core.compiled import prepare
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 
@@ -23,60 +32,150 @@ PATIENCE = 6
 """Time without progress of any robot after which a fleet counts as stuck, in steps of a cell."""
 
 STANDS = 4
-"""Time without any move after which moves are planned again, in steps of a cell."""
+"""Time without any move after which another plan is made, in steps of a cell."""
 
-MAX_OTHERS, MAX_STATES, MAX_CHIEFS = 10, 10_000, 2
-"""Limits of a plan: other robots and people that move, expanded states, and robots to be freed."""
+MAX_MOVERS = 60
+"""Limit on the robots and people that move in a plan."""
 
-STEP_STATES = 1_000
-"""Expanded states in a step, which take up to 0.1 s. The search then goes on in the next step."""
-
-PERSON_ON, PERSON_BACK = 2, 6
-"""Costs of a person's step towards a station and of a step back, in moves of a robot.
-
-They are exchanged in every other attempt, because people may intend something else.
-"""
-
-MEMORY = 0.8
-"""Factor by which the weight of a person's past progress decreases with each step."""
-
-IN_THE_WAY = 3
-"""Estimated number of moves to clear each robot or person from the path of a robot."""
-
-GREED = 2
-"""Weight of the remaining steps to the goal relative to the cost so far."""
+STEP_DECISIONS, MAX_STEPS = 3_000, 3
+"""Decisions of robots in a step of the search, which take 0.035 s, and steps of a search."""
 
 
-class State(NamedTuple):
-    """Cells of the robot that has to reach its goal (the chief), of other robots, and of people."""
+class Deadlock(NamedTuple):
+    """The robots and people that may move in a plan, of which the first is the chief.
 
-    chief: int
-    robots: frozenset[int]
-    people: tuple[int, ...]
+    Attributes:
+        who: numbers of robots, and ``~number`` of people.
+        cells: cells of these robots and people.
+        field: ``[size]``, distances to the goal of the chief, ``FAR`` where it has no path.
+        blocked: cells that nobody can enter.
+    """
 
-    def moved(self, start: int, end: int) -> State:
-        """Return the state after a robot or a person has moved from one cell to another."""
-        if start == self.chief:
-            return self._replace(chief=end)
-        if start in self.robots:
-            return self._replace(robots=self.robots - {start} | {end})
-        return self._replace(people=tuple(end if at == start else at for at in self.people))
+    who: list[int]
+    cells: list[int]
+    field: Integers
+    blocked: set[int]
 
 
-class Move(NamedTuple):
-    """A step of a robot, given by its number, or of a person, whose number is negative."""
+class JointSearch:
+    """A search with LaCAM for joint steps that bring the chief of a deadlock to its goal.
 
-    who: int
-    start: int
-    end: int
+    Args:
+        fields: distances on the floor.
+        deadlock: robots and people.
+        people_first: true if people have the highest priority, so that robots give way to them.
+    """
+
+    def __init__(self, fields: Fields, deadlock: Deadlock, people_first: bool) -> None:
+        size, count = fields.graph.size, len(deadlock.cells)
+        is_reached = deadlock.field < FAR
+        away = np.where(is_reached, deadlock.field[is_reached].max() - deadlock.field, FAR)
+        no_matter = np.zeros_like(deadlock.field)  # the search ends wherever the others are
+        table = np.stack([deadlock.field, away, no_matter]).astype(np.int32)
+        is_chief, is_robot = np.arange(count) == 0, np.array(deadlock.who) >= 0
+        ranks = np.argsort(is_robot, kind="stable") if people_first else np.arange(count)
+        self._table, self._floor = table_of(table), fields.floor
+        self._robots = robots = robots_of(size, count, 0)
+        robots.goals[:] = buffer_of(np.where(is_chief, deadlock.field.argmin(), NONE))
+        robots.rows[:] = buffer_of(np.where(is_chief, 0, size))
+        robots.chosen[:] = buffer_of(np.array(deadlock.cells))
+        self._pibt = pibt_of(size, count)
+        for cell in deadlock.blocked:
+            self._pibt.is_taken[cell] = kernels.CLOSED
+        self._epibt = epibt_of(fields.graph.neighbours[:0, :WAIT], 0)  # unused
+        self._search = search = lacam.new_search(count)
+        search.ranks[:] = buffer_of(ranks)
+        search.rows[:] = buffer_of(np.where(is_chief, 0, 2 * size))
+        first = lacam.slot_of(search, robots.chosen, 0)
+        lacam.add(search, robots, self._floor, self._table, NONE, first)
+
+    def go_on(self, rounds: int) -> bool:
+        """Continue for a number of rounds of PIBT, and return whether the search is over."""
+        for _ in range(rounds):
+            status = lacam.explore(
+                self._search, self._robots, self._pibt, self._epibt, self._floor, self._table,
+                self._table, 1,
+            )  # fmt: skip
+            if status == lacam.FULL:
+                self._search = lacam.enlarged_search(self._search)
+            elif status != lacam.SPENT:
+                return True
+        return False
+
+    def paths(self) -> Integers | None:
+        """Return the cells of each before and after each step of the plan, ``[count, T + 1]``."""
+        search, count, cells = self._search, len(self._search.ranks), list[Integers]()
+        node = int(search.counts[lacam.BEST])
+        while node != NONE:
+            cells.append(np.array(search.places[node * count : (node + 1) * count]))
+            node = int(search.parent[node])
+        return np.stack(cells[::-1], axis=1) if cells else None
+
+
+class Course:
+    """A plan on its way: each robot waits until all that pass its next cell before it have passed.
+
+    People are expected to do the same. A person who walks elsewhere is no longer in the plan.
+
+    Args:
+        who: robots and people, see ``Deadlock``.
+        paths: cells of each, ``[count, T + 1]``.
+    """
+
+    def __init__(self, who: list[int], paths: Integers) -> None:
+        self._who, self._paths = who, paths
+        self._reached = np.zeros(len(who), np.intp)
+
+    def follow(self, cells: list[int]) -> bool:
+        """Note the cells of the robots and people; return whether robots have moves to make."""
+        last, is_robot = self._paths.shape[1] - 1, np.array(self._who) >= 0
+        for number, cell in enumerate(cells):
+            path, at = self._paths[number], int(self._reached[number])
+            later = np.flatnonzero(path[at:] == cell)
+            if len(later):
+                at += int(later[0])
+                while at < last and path[at + 1] == cell:
+                    at += 1
+                self._reached[number] = at
+            elif is_robot[number]:
+                return False
+            else:
+                self._reached[number] = last
+        return bool((self._reached[is_robot] < last).any())
+
+    def next_cells(self, cells: list[int], occupied: set[int]) -> dict[int, int]:
+        """Return the next cells of the robots that can move in this step.
+
+        Args:
+            cells: cells of the robots and people of the plan.
+            occupied: cells of all others, and other cells that no robot can enter.
+        """
+        steps = np.arange(self._paths.shape[1])
+        is_ahead = steps >= self._reached[:, None]
+        inside, ahead = {cell: number for number, cell in enumerate(cells)}, dict[int, int]()
+        follows = dict[int, int]()
+        for number, who in enumerate(self._who):
+            step = int(self._reached[number]) + 1
+            if who < 0 or step == len(steps):
+                continue
+            cell = int(self._paths[number, step])
+            passes_before = is_ahead[:, :step] & (self._paths[:, :step] == cell)
+            passes_before[number] = False
+            other = inside.get(cell, number)
+            passes_before[other, self._reached[other] : self._reached[other] + 1] = False
+            if self._who[other] >= 0 and cell not in occupied and not passes_before.any():
+                ahead[number], follows[number] = cell, other
+        while stops := [each for each in ahead if follows[each] not in ahead]:
+            for each in stops:
+                del ahead[each]
+        return {self._who[number]: cell for number, cell in ahead.items()}
 
 
 class Escapes:
-    """Plans for the robots of a stuck fleet, and their execution move by move.
+    """Plans for the robots of a stuck fleet, each for another chief.
 
     A fleet is stuck if no robot comes closer to its goal than its smallest distance since a robot
-    last picked, dropped or charged. A search then plans moves, one at a time, that bring one robot
-    to its goal. People in the plan walk to stations, or back; robots wait until they do so.
+    last picked, dropped or charged. While a search goes on in later steps, its robots stand.
 
     Args:
         fields: distances on the floor, in steps.
@@ -89,22 +188,21 @@ class Escapes:
 
     def __init__(self, fields: Fields, robots: int, cell_steps: float = 1.0) -> None:
         self._patience, self._most_stands = PATIENCE * cell_steps, STANDS * cell_steps
-        graph = fields.graph
-        sides: list[list[int]] = graph.neighbours[:, :WAIT].tolist()
+        sides: list[list[int]] = fields.graph.neighbours[:, :WAIT].tolist()
         self._fields = fields
         self._near = [[each for each in neighbours if each != CLOSED] for neighbours in sides]
-        layout = graph.layout
-        stations = [*layout.pickups, *layout.dropoffs, *layout.chargers]
-        self._stations = layout.numbers(stations)
-        self._people: Integers = np.empty(0, np.intp)
-        self._progress = np.zeros((len(self._stations), 0))
         self._nearest = np.full(robots, FAR)
         self._cells = np.full(robots, NONE)
-        self._waits = self._stands = self._tries = 0
-        self._moves: list[Move] = []
-        self._going: Iterator[list[Move]] | None = None
-        self._at: dict[int, int] = {}
-        self.held: list[int] = []
+        self._waits = self._stands = self._tries = self._steps = 0
+        self._deadlock: Deadlock | None = None
+        self._search: JointSearch | None = None
+        self._course: Course | None = None
+        prepare(lacam.add, lacam.explore, lacam.fill_table)
+
+    @property
+    def held(self) -> list[int]:
+        """Robots that make only planned moves."""
+        return [who for who in self._deadlock.who if who >= 0] if self._deadlock else []
 
     def aims(
         self, cells: Integers, goals: Integers, distances: Integers, walls: set[int],
@@ -120,7 +218,6 @@ class Escapes:
             people: cells of people.
             has_worked: true if a robot picks, drops, or begins or ends to charge.
         """
-        self._watch(people)
         if has_worked:
             self._nearest[:] = FAR
             self._tries = 0
@@ -129,145 +226,81 @@ class Escapes:
         self._waits = 0 if has_worked or is_nearer.any() else self._waits + 1
         self._stands = self._stands + 1 if np.array_equal(cells, self._cells) else 0
         self._cells = cells.copy()
-        where, persons = cells.tolist(), people.tolist()
+        where = cells.tolist() + people.tolist()[::-1]  # so that index ~number is a person
         is_stuck = (
-            self._stands >= self._most_stands if self._moves else self._waits >= self._patience
+            self._stands >= self._most_stands if self._course else self._waits >= self._patience
         )
-        if is_stuck and self._going is None:
-            self._waits = self._stands = 0
+        if is_stuck and self._search is None:
+            self._begin(where, goals, distances, walls)
+        if self._search is not None:
+            self._continue(where)
+        if self._course is not None:
+            return self._follow(where, walls)
+        return {robot: where[robot] for robot in self.held}
+
+    def _begin(
+        self, where: list[int], goals: Integers, distances: Integers, walls: set[int]
+    ) -> None:
+        """Begin a search; in each attempt another robot is the chief, at first the nearest one."""
+        self._stands = self._steps = 0
+        self._deadlock, self._course = None, None
+        chiefs = np.argsort(distances, kind="stable")[: np.count_nonzero(distances < FAR)].tolist()
+        for _ in chiefs:
+            chief = chiefs[self._tries % len(chiefs)]
             self._tries += 1
-            self._moves, self._at = [], {}
-            self._going = self._plan(where, goals, distances, walls, persons)
-        if self._going is not None:
-            self._moves = self._continue(where, persons)
-        while self._moves and self._is_made(self._moves[0], where, persons):
-            self._moves.pop(0)
-        if not self._moves and self._going is None:
-            self.held = []
-        positions, taken = {robot: where[robot] for robot in self.held}, {*where, *persons, *walls}
-        for who, start, end in self._moves:
-            if who < 0 or positions[who] != start or where[who] != start or end in taken:
-                break
-            positions[who] = end
-            taken = taken - {start} | {end}
-        return positions
-
-    def _continue(self, where: list[int], people: list[int]) -> list[Move]:
-        """Return the moves that the search finds in this step, or none.
-
-        The search ends if a robot or a person that it plans for has moved.
-        """
-        assert self._going is not None
-        stands = all((where[w] if w >= 0 else people[~w]) == cell for cell, w in self._at.items())
-        found = next(self._going, None) if stands else None
-        if found or found is None:
-            self._going = None
-        return found or []
-
-    def _is_made(self, move: Move, where: list[int], people: list[int]) -> bool:
-        return where[move.who] == move.end if move.who >= 0 else people[~move.who] != move.start
-
-    def _watch(self, people: Integers) -> None:
-        """Estimate the stations to which people walk."""
-        if not len(people):
-            return
-        if len(people) != len(self._people):
-            self._progress, self._people = np.zeros((len(self._stations), len(people))), people
-        rows = self._fields.rows(self._stations)[:, None]
-        matrix = self._fields.matrix
-        self._progress[:, people != self._people] *= MEMORY
-        self._progress += matrix[rows, self._people] - matrix[rows, people]
-        self._progress[self._stations[:, None] == people] = 0
-        self._people = people
-
-    def _plan(
-        self,
-        where: list[int],
-        goals: Integers,
-        distances: Integers,
-        walls: set[int],
-        people: list[int],
-    ) -> Iterator[list[Move]]:
-        """Yield moves that bring one of the robots nearest to their goals to its goal.
-
-        While the search goes on, it yields no moves after each ``STEP_STATES`` states.
-        """
-        chiefs = np.argsort(distances, kind="stable")[: np.count_nonzero(distances < FAR)]
-        who_in = {cell: who for who, cell in enumerate(where)}
-        who_in |= {cell: ~who for who, cell in enumerate(people)}
-        for chief in np.roll(chiefs, 1 - self._tries)[:MAX_CHIEFS].tolist():
-            movers = self._around(where[chief], {*who_in} - walls)
-            robots = frozenset(cell for cell in movers if who_in[cell] >= 0)
-            persons = tuple(cell for cell in movers if who_in[cell] < 0)
-            start = State(where[chief], robots, persons)
-            blocked = {*who_in, *walls} - {where[chief], *movers}
-            aims = [self._progress[:, ~who_in[cell]].argmax() for cell in persons]
-            self._at = {cell: who_in[cell] for cell in (where[chief], *movers)}
-            self.held = [who for who in self._at.values() if who >= 0]
-            search = self._search(start, int(goals[chief]), blocked, self._stations[aims])
-            for steps in search:
-                at, moves = self._at.copy(), []
-                for begin, end in steps:
-                    at[end] = at.pop(begin)
-                    moves.append(Move(at[end], begin, end))
-                yield moves
-
-    def _around(self, cell: int, others: set[int]) -> list[int]:
-        """Return the occupied cells that are nearest to a cell."""
-        reached, known = [cell], {cell}
-        for place in reached:
-            new = [each for each in self._near[place] if each not in known]
-            reached += new
-            known.update(new)
-        return [each for each in reached[1:] if each in others][:MAX_OTHERS]
-
-    def _search(
-        self, start: State, goal: int, blocked: set[int], aims: Integers
-    ) -> Iterator[list[tuple[int, int]]]:
-        """Yield steps, each from a cell to a free one, that bring the chief to its goal.
-
-        While the search goes on, it yields no steps after each ``STEP_STATES`` states.
-        """
-        rows = self._fields.rows(np.append(aims, goal))
-        *fields, distances = self._fields.matrix[rows].tolist()
-        prices = (PERSON_ON, PERSON_BACK) if self._tries % 2 else (PERSON_BACK, PERSON_ON)
-        costs, before = {start: 0}, dict[State, tuple[State, int, int]]()
-        heap, count, paths = [(0, 0, start)], 0, dict[int, set[int]]()
-        while heap and count < MAX_STATES:
-            state = heappop(heap)[-1]
-            if state.chief == goal:
-                steps = []
-                while state != start:
-                    state, begin, end = before[state]
-                    steps.append((begin, end))
-                yield steps[::-1]
+            self._deadlock = self._deadlock_of(chief, int(goals[chief]), where, walls)
+            if self._deadlock:
+                self._search = JointSearch(self._fields, self._deadlock, self._tries % 2 == 1)
                 return
-            taken = blocked | state.robots | {state.chief, *state.people}
-            for begin in (state.chief, *state.robots, *state.people):
-                for end in self._near[begin]:
-                    if end in taken:
-                        continue
-                    after, price = state.moved(begin, end), 1
-                    if begin in state.people:
-                        field = fields[state.people.index(begin)]
-                        price = prices[field[end] >= field[begin]]
-                    cost = costs[state] + price
-                    if cost >= costs.get(after, FAR):
-                        continue
-                    costs[after], before[after] = cost, (state, begin, end)
-                    if after.chief not in paths:
-                        paths[after.chief] = self._path(after.chief, distances)
-                    path, count = paths[after.chief], count + 1
-                    crowd = len(path & after.robots) + len(path.intersection(after.people))
-                    estimate = GREED * (distances[after.chief] + IN_THE_WAY * crowd)
-                    heappush(heap, (cost + estimate, count, after))
-                    if count % STEP_STATES == 0:
-                        yield []
 
-    def _path(self, cell: int, distances: list[int]) -> set[int]:
-        """Return the cells of a shortest path from a cell, without the cell itself."""
-        reached = set[int]()
-        while distances[cell]:
-            cell = min(self._near[cell], key=distances.__getitem__)
-            reached.add(cell)
-        return reached
+    def _deadlock_of(
+        self, chief: int, goal: int, where: list[int], walls: set[int]
+    ) -> Deadlock | None:
+        """Return the robots and people that are nearest to a chief, or ``None`` without a path."""
+        numbers = range(len(self._cells)), range(len(self._cells) - len(where), 0)
+        who_in = {where[who]: who for part in numbers for who in part}
+        closed = walls | self._fields.graph.closed
+        near = self._distances(where[chief], closed - {where[chief]})
+        cells = [cell for cell in near if cell in who_in][:MAX_MOVERS]
+        blocked = (closed | who_in.keys()) - {*cells}
+        reached = self._distances(goal, blocked)
+        if goal in blocked or where[chief] not in reached:
+            return None
+        field = np.full(self._fields.graph.size, FAR)
+        field[list(reached)] = list(reached.values())
+        return Deadlock([who_in[cell] for cell in cells], cells, field, blocked)
+
+    def _distances(self, cell: int, closed: set[int]) -> dict[int, int]:
+        """Return the distances of cells from a cell by paths without closed cells, in order."""
+        found, reached = {cell: 0}, [cell]
+        for place in reached:
+            new = [each for each in self._near[place] if each not in found and each not in closed]
+            found |= dict.fromkeys(new, found[place] + 1)
+            reached += new
+        return found
+
+    def _continue(self, where: list[int]) -> None:
+        """Continue the search, which ends if a robot or a person that it plans for has moved."""
+        assert self._search
+        assert self._deadlock
+        self._steps += 1
+        is_over = [where[who] for who in self._deadlock.who] != self._deadlock.cells
+        if not is_over and self._search.go_on(max(STEP_DECISIONS // len(self._deadlock.who), 1)):
+            paths, is_over = self._search.paths(), True
+            if paths is not None:
+                self._course, self._waits = Course(self._deadlock.who, paths), 0
+        if is_over or self._steps == MAX_STEPS:
+            self._search = None
+            if not self._course:
+                self._deadlock = None
+
+    def _follow(self, where: list[int], walls: set[int]) -> dict[int, int]:
+        """Return the next cells of the robots in the plan, or none if it is carried out."""
+        assert self._course
+        assert self._deadlock
+        cells = [where[who] for who in self._deadlock.who]
+        if not self._course.follow(cells):
+            self._course = self._deadlock = None
+            return {}
+        occupied = walls | {*where} - {*cells}
+        return {who: where[who] for who in self.held} | self._course.next_cells(cells, occupied)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from agents.fleet.escapes import PATIENCE, STANDS, Escapes
+from agents.fleet.escapes import PATIENCE, STANDS, Course, Escapes
 from agents.mapf.assignment import NONE
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.places import FAR
@@ -115,11 +115,67 @@ def test_nothing_is_planned_where_nobody_can_pass() -> None:
     assert floor.held == []
 
 
+def test_a_queue_of_any_length_lets_a_person_out_of_a_dead_end() -> None:
+    queue = 14
+    hall, corridor = "." * (queue - 3), "#" * (queue + 1)
+    layout = Layout([hall + corridor, hall + "." * queue + "D", "P" + hall[1:] + corridor])
+    end = layout.width - 1
+
+    def leaves(cells: list[Cell], people: list[Cell]) -> list[Cell]:
+        [(row, column)] = people
+        for ahead in (row, column - 1), (row - 1, column), (row + 1, column):
+            if layout.is_open(ahead) and ahead not in cells:
+                return [ahead]
+        return people
+
+    floor = Floor(layout, [(1, end - 1 - at) for at in range(queue)], [(1, end)] * queue)
+    floor.people = [(1, end)]
+    assert floor.run(PATIENCE + 5 * queue, leaves)
+
+
+def test_robots_in_a_ring_move_together() -> None:
+    course = Course([0, 1, 2, 3], np.array([[0, 1], [1, 3], [3, 2], [2, 0]]))
+    assert course.next_cells([0, 1, 3, 2], set()) == {0: 1, 1: 3, 2: 2, 3: 0}
+    assert course.next_cells([0, 1, 3, 2], {2}) == {}
+
+
+def test_robots_keep_the_order_of_the_plan_at_each_cell() -> None:
+    course = Course([0, ~0, 1], np.array([[1, 1, 2, 2], [0, 1, 1, 4], [7, 7, 7, 1]]))
+    assert course.follow([1, 0, 7])
+    assert course.next_cells([1, 0, 7], set()) == {0: 2}  # the person comes before robot 1
+    assert course.follow([2, 1, 7])
+    assert course.next_cells([2, 1, 7], set()) == {}
+    assert course.follow([2, 4, 7])
+    assert course.next_cells([2, 4, 7], set()) == {1: 1}
+    assert not course.follow([2, 4, 1])
+
+
+def test_the_order_does_not_wait_for_people_who_walk_elsewhere() -> None:
+    course = Course([0, ~0], np.array([[2, 2, 1], [0, 1, 4]]))
+    assert course.follow([2, 0])
+    assert course.next_cells([2, 0], set()) == {}
+    assert course.follow([2, 9])
+    assert course.next_cells([2, 9], set()) == {0: 1}
+    assert course.next_cells([2, 1], set()) == {}  # the person has come back
+    assert not course.follow([3, 1])  # the robot has left the plan
+
+
 def test_a_long_search_goes_on_in_later_steps_while_its_robots_stand(monkeypatch) -> None:
-    monkeypatch.setattr("agents.fleet.escapes.STEP_STATES", 3)
-    floor = Floor(DEAD_END, [(0, 2), (0, 3)], [(0, 3), (0, 0)])
-    for _ in range(PATIENCE + 1):
-        aims = floor.step()
-    assert sorted(floor.held) == [0, 1]
-    assert aims == {0: (0, 2), 1: (0, 3)}  # no plan yet
-    assert floor.run(40)
+    monkeypatch.setattr("agents.fleet.escapes.STEP_DECISIONS", 2)
+    for most, is_found in ((2, False), (20, True)):
+        monkeypatch.setattr("agents.fleet.escapes.MAX_STEPS", most)
+        floor = Floor(DEAD_END, [(0, 2), (0, 3)], [(2, 5), None])
+        for _ in range(PATIENCE + 1):
+            aims = floor.step()
+        assert sorted(floor.held) == [0, 1]
+        assert aims == {0: (0, 2), 1: (0, 3)}  # no plan yet
+        assert floor.run(40) is is_found
+
+
+def test_the_next_robot_is_freed_at_once_if_there_is_no_plan_for_one() -> None:
+    # Nobody can let robot 0 pass, which is nearest to its goal.
+    floor = Floor(Layout(["P.#", "###", "..D"]), [(0, 0), (2, 0)], [(0, 1), (2, 2)])
+    floor.people = [(0, 1)]
+    waits = [floor.step() for _ in range(PATIENCE + 2)]
+    assert waits[PATIENCE] in ({}, {0: (0, 0)})
+    assert waits[PATIENCE + 1] == {1: (2, 1)}
