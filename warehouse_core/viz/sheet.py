@@ -1,18 +1,21 @@
 """The layout of a picture: one track with its charts next to it, or several tracks side by side.
 
-All lengths are in inches, from the top left corner of the figure; font sizes are in points.
+All lengths are in inches, from the top left corner of the figure; font sizes are in points. The
+functions at the end return the text around a map for a frame of its track, and its font size.
 """
 
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
+from warehouse_core.viz.axes import POINTS
 from warehouse_core.viz.figure import DPI
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.viz.words import Words, caption_of, counter_of, ending_of, tally_of, title_of
+from warehouse_core.wording import counted, seconds_of
 
 MAX_CELL, SHARP = 1.05, 8
 """Largest side of a cell; side in pixels above which it is rounded to a whole number of pixels."""
@@ -54,7 +57,19 @@ MAX_COLUMNS, ROW, CLOCK = 4, 3, 0.4
 
 LEGEND_COLUMNS = 7
 
+MAX_TALLY, BOLD_WIDTH = 15.0, 0.55
+"""Largest font size of a tally, in points, and mean width of its letters as a share of the size."""
+
+LETTER_WIDTH = 0.65
+"""Mean width of a letter of a caption, as a share of its size."""
+
+DASH = "\N{EN DASH}"
+"""Text of a number that a track does not have."""
+
 BOLD = {"fontweight": "bold"}
+
+Words = tuple[str, float]
+"""A text and its font size."""
 
 Box = tuple[float, float, float, float]
 """Left, top, width and height."""
@@ -214,3 +229,53 @@ def _cell(track: Track, width: float, height: float) -> float:
     columns, rows = track.shown_size
     cell = min(width / columns, height / rows, MAX_CELL)
     return math.floor(cell * DPI) / DPI if cell * DPI > SHARP else cell
+
+
+def title_of(size: float, track: Track, _frame: int) -> Words:
+    """Return the title of a track."""
+    return track.title, size
+
+
+def counter_of(steps: int, track: Track, frame: int) -> Words:
+    """Return the number of steps taken, out of ``steps``, and the clock of a continuous motion."""
+    now = track.frames[frame]
+    if track.marks is not None:
+        return "", 9  # the captions of a search have its counts
+    clock = f"   {seconds_of(now.clock, track.clock_digits)} s" if track.is_continuous else ""
+    return f"step {math.ceil(now.progress)} of {steps}{clock}", 9
+
+
+def ending_of(track: Track, frame: int) -> Words:
+    """Return the ending of a track in its last frame, and no text in the others."""
+    return track.ending.upper() if frame == len(track) - 1 else "", 11
+
+
+def caption_of(size: float, width: float, track: Track, frame: int) -> Words:
+    """Return the caption of a frame, wrapped to at most two lines of ``width`` inches."""
+    letters = int(POINTS * width / (LETTER_WIDTH * size))
+    words = track.frames[frame].caption
+    return textwrap.fill(words, letters, max_lines=2, placeholder=" …"), size
+
+
+def tally_of(width: float, has_bodies: bool, track: Track, frame: int) -> Words:
+    """Return the deliveries, steps, seconds and joules so far; in the last frame also the ending.
+
+    The grid has no seconds and joules of its own. It has dashes if other tracks have bodies.
+
+    The font is as large as ``width``, in inches, allows, but at most ``MAX_TALLY``.
+    """
+    if track.marks is not None:
+        return "", MAX_TALLY
+    now, step = track.frames[frame], track.step_at(frame)
+    numbers = [counted(math.ceil(now.progress), "step")]
+    if track.counts_orders:
+        numbers.insert(0, f"{track.metrics['delivered'][step]} delivered")
+    if track.is_measured:
+        numbers += [f"{seconds_of(now.clock)} s", f"{now.energy:,.0f} J"]
+    elif has_bodies:
+        numbers += [f"{DASH} s", f"{DASH} J"]
+    words = ", ".join(numbers)
+    is_over = frame == len(track) - 1
+    if is_over and track.ending:
+        words = f"{track.ending.capitalize()}: {words}"
+    return words, min(MAX_TALLY, POINTS * width / (BOLD_WIDTH * len(words)))

@@ -86,7 +86,6 @@ from warehouse_core.world.tiles import (
 )
 
 RADIUS, RIM, LETTER, NAME = LOOK["robot"].values()
-WHEEL, RING, RING_LINE = LOOK["body"].values()
 BATTERIES, ITEMS, CARRIED, WIDTHS = (LOOK[key] for key in ("battery", "item", "carried", "lines"))
 
 MIN_RADIUS, MIN_FLEET_RADIUS, MIN_LINE, MIN_LETTER, MIN_NUMBER, MIN_STATION = 5, 2.5, 0.6, 6, 5, 6.5
@@ -119,9 +118,7 @@ LATE = len(ORDER_COLORS) - 1
 STAR, DIAMOND, NOSE, ARROW, HEAD = (
     np.array(LOOK["shapes"][key]) for key in ("hit", "H", "nose", "push", "arrow")
 )
-CHASSIS, FRONT, TYRE, LAMP = (
-    np.array(LOOK["shapes"][key]) for key in ("chassis", "front", "wheel", "brake")
-)
+CHASSIS, FRONT, LAMP = (np.array(LOOK["shapes"][key]) for key in ("chassis", "front", "brake"))
 STAR_RADIUS = float(np.abs(STAR).max())
 
 Points = NDArray[np.float64]
@@ -344,12 +341,8 @@ class View:
 
     def _wheels(self, poses: Sequence[Pose], scale: float, rim: float) -> Iterator[Shape]:
         """Yield the wheels or the rings of bodies, and their brake lights."""
-        drive = self._track.drive
-        for side in (-WHEEL, WHEEL) if drive == "differential" else ():
-            yield Shape(placed((TYRE + np.array((0, side))) * scale, poses), INK)
-        if drive == "omnidirectional":
-            rings = stamped(RING * scale * CIRCLE, [pose.at for pose in poses])
-            yield Shape(rings, None, INK, RING_LINE * scale)
+        for corners in LOOK["drives"].get(self._track.drive, ()):
+            yield Shape(placed(np.array(corners) * scale, poses), INK)
         braking = [pose for pose in poses if pose.push and pose.push.brakes]
         yield Shape(placed(LAMP * scale, braking), BRAKE, PAPER, rim / 2)
 

@@ -234,18 +234,6 @@ def title_of(page: str) -> str:
     return html.unescape(title)
 
 
-def test_a_page_says_what_the_replay_shows(films: Path) -> None:
-    said = said_by((films / "film.html").read_text(encoding="utf-8"))
-    [track] = said["tracks"]
-    assert track["title"] == "Tester on the grid backend, seed 4"
-    assert track["ending"] == "delivered"
-    assert (track["x"], track["y"]) == ([2.5, 2.5, 1.5, 1.5, 2.5, 3.5, 3.5], [1.5] * 7)
-    assert track["load"] == [0, 0, 0, 1, 1, 1, 0]
-    assert [track["captions"][index] for index in track["captionAt"]][1] == "North: why not"
-    charts = {chart["title"] for chart in said["charts"]}
-    assert charts == {"Reward", "Distance (cells)"}
-
-
 def test_a_page_plays_at_the_speed_of_the_replay(tmp_path: Path) -> None:
     usual = said_by(saved(tmp_path, ".html").read_text(encoding="utf-8"))["speed"]
     faster = saved(tmp_path, ".html", interval_ms=300, speed=8)

@@ -15,10 +15,10 @@ from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.scene import Scene
+from warehouse_core.viz.sheet import DASH
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.viz.words import DASH
 
 MAX_PIXELS = 1366
 

@@ -11,7 +11,6 @@ const MIN_DETAIL = 7;
 
 /** The radius in pixels from which on a body has a chassis; a smaller one is a disc. */
 const MIN_BODY = 8;
-const { wheel: WHEEL, ring: RING, line: RING_LINE } = LOOK.body;
 const ARROWS = LOOK.arrows;
 
 /** The share of a cell that a number may fill, so that numbers of neighbours stay apart. */
@@ -92,26 +91,23 @@ function drawBodies(brush, shown, radius, isBody) {
   if (isBody) traceRobots(brush, shown, "front", pixels, "light", "rim");
 }
 
-/** Draw a shape on each robot that heads somewhere, in one path. */
-function traceRobots(brush, shown, name, pixels, color, lineColor, side = 0) {
+/** Draw a shape of each robot that heads somewhere, in one path. */
+function traceRobots(brush, shown, name, pixels, color, lineColor) {
   brush.begin(color);
   for (const { x, y, heading, isPerson } of shown) {
-    const [right, down] = [-Math.sin(heading) * side, Math.cos(heading) * side];
-    if (!isPerson) brush.trace(name, x + right * pixels, y + down * pixels, pixels, heading ?? 0);
+    if (!isPerson) brush.trace(name, x, y, pixels, heading ?? 0);
   }
   brush.paint(color, lineColor, Math.max(1, (RIM / 2) * pixels));
 }
 
 /** Draw what is below a chassis: two wheels or a ring, and the brake light. */
 function drawUndercarriages(brush, shown, track, moment, pixels) {
-  if (track.drive === "differential") {
-    for (const side of [-WHEEL, WHEEL]) traceRobots(brush, shown, "wheel", pixels, "rim", "rim", side);
-  } else if (track.drive === "omnidirectional") {
-    brush.begin("rim");
-    for (const { x, y, isPerson } of shown) if (!isPerson) brush.circle(x, y, RING * pixels);
-    brush.context.lineWidth = RING_LINE * pixels;
-    brush.context.stroke();
+  brush.begin("rim");
+  for (const { x, y, heading, isPerson } of shown) {
+    if (isPerson) continue;
+    for (const corners of LOOK.drives[track.drive] ?? []) brush.outline(corners, x, y, pixels, heading ?? 0);
   }
+  brush.context.fill();
   const braking = shown.filter(({ body, isPerson }) => !isPerson && track.push(body, moment)?.brakes);
   traceRobots(brush, braking, "brake", pixels, "brake", "light");
 }
@@ -246,12 +242,11 @@ export function drawThings({ context, view, scale, theme }, { lines, frames }, {
   context.setLineDash([]);
 }
 
-/** Draw the orders of a fleet that wait at pickups, with their number if it fits. */
-export function drawWaiting(brush, track, moment) {
-  if (!track.fleet.orders) return;
+/** Draw the items that lie on the floor: orders that wait, with their number if it fits, or a single item. */
+export function drawItems(brush, track, moment) {
   const side = Math.max(MIN_SIDE, SIDE * brush.scale);
   const size = Math.max(0.7 * side, brush.minText);
-  for (const [cell, { count, age }] of waitingByPickup(track.fleet.orders, moment.step)) {
+  for (const [cell, { count, age }] of itemsOn(track, moment)) {
     const [row, column] = track.rowAndColumn(cell);
     const [x, y] = [brush.view.x(column + PLACE), brush.view.y(row + PLACE)];
     drawBox(brush, x, y, side, brush.theme.orders[age]);
@@ -261,13 +256,10 @@ export function drawWaiting(brush, track, moment) {
   }
 }
 
-/** Draw the item of a single robot where it waits or has been dropped. */
-export function drawItem(brush, track, moment) {
-  const side = Math.max(MIN_SIDE, SIDE * brush.scale);
-  for (const cell of itemCells(track, moment)) {
-    const [row, column] = track.rowAndColumn(cell);
-    drawBox(brush, brush.view.x(column + PLACE), brush.view.y(row + PLACE), side, "item");
-  }
+/** Return the number and the greatest age of the items that lie on the floor, by their cells. */
+function itemsOn(track, moment) {
+  if (track.fleet?.orders) return waitingByPickup(track.fleet.orders, moment.step);
+  return track.robots === 1 ? itemCells(track, moment).map((cell) => [cell, { count: 1, age: 0 }]) : [];
 }
 
 /** Return the cells where the item of a single robot waits or has been dropped. */

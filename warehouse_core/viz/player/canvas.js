@@ -160,8 +160,13 @@ export class Brush {
 
   /** Add a shape of tiles.json to the path, with `pixels` per cell, turned by an angle. */
   trace(name, x, y, pixels, angle = 0) {
+    this.outline(LOOK.shapes[name], x, y, pixels, angle);
+  }
+
+  /** Add a polygon around a point to the path. */
+  outline(corners, x, y, pixels, angle = 0) {
     const [right, down] = [pixels * Math.cos(angle), pixels * Math.sin(angle)];
-    LOOK.shapes[name].forEach(([along, across], i) => {
+    corners.forEach(([along, across], i) => {
       const corner = [x + along * right - across * down, y + along * down + across * right];
       if (i) this.context.lineTo(...corner);
       else this.context.moveTo(...corner);

@@ -74,10 +74,7 @@ function drawTexture(brush, name, cells) {
   for (const [color, polygons] of Object.entries(LOOK.textures[name])) {
     brush.begin(color);
     for (const [row, column] of cells) {
-      for (const [[x, y], ...others] of polygons) {
-        context.moveTo(view.x(column + x), view.y(row + y));
-        for (const [toX, toY] of others) context.lineTo(view.x(column + toX), view.y(row + toY));
-      }
+      for (const corners of polygons) brush.outline(corners, view.x(column), view.y(row), scale);
     }
     context.fill();
   }

@@ -1,6 +1,6 @@
 // One track on the page: its floor, the action of the robot with its reason, its battery and its ending.
 
-import { drawArrows, drawGhost, drawHits, drawItem, drawRobots, drawThings, drawWaiting } from "./bodies.js";
+import { drawArrows, drawGhost, drawHits, drawItems, drawRobots, drawThings } from "./bodies.js";
 import { Brush, kept } from "./canvas.js";
 import { copy, element, partOf, setText } from "./elements.js";
 import { drawEnds, drawFloor, drawHeat, drawLetters, drawMarks, drawSight, drawVisits } from "./floor.js";
@@ -77,10 +77,10 @@ export class Panel {
     drawLetters(brush, track, moment);
     drawThings(brush, track, moment, player.hasArrows);
     drawGhost(brush, track, moment);
-    if (track.fleet) drawWaiting(brush, track, moment);
+    if (track.fleet) drawItems(brush, track, moment);
     if (player.hasArrows) drawArrows(brush, track, moment);
     drawRobots(brush, track, moment, chosen, this.pointer ? this.robotAt(...this.pointer, moment) : null);
-    if (track.robots === 1) drawItem(brush, track, moment);
+    if (!track.fleet) drawItems(brush, track, moment);
     if (track.fleet) drawPushes(brush, track, moment);
     drawHits(brush, track, moment);
   }

@@ -16,7 +16,7 @@ import numpy as np
 from warehouse_core.records.plans import NO_PLANS
 from warehouse_core.render.palette import LOOK
 from warehouse_core.viz.svg.beat import Beat, spans_of
-from warehouse_core.viz.svg.floor import UNIT, box, shape
+from warehouse_core.viz.svg.floor import UNIT, box, polygon, shape
 from warehouse_core.viz.tracks.history import History, skids_of
 from warehouse_core.viz.tracks.track import (
     DrawnHit,
@@ -124,13 +124,7 @@ def _machine(track: Track, looks: Sequence[str], poses: Sequence[Pose | None], b
 
     ``looks`` has the name of its colour in each frame.
     """
-    wheel, ring, line = (UNIT * part for part in LOOK["body"].values())
-    sides = [f'transform="translate(0 {side:g})"' for side in (-wheel, wheel)]
-    drives = {
-        "differential": [shape("wheel", "rim", side) for side in sides],
-        "omnidirectional": [f'<circle r="{ring:g}" class="of-rim ring" stroke-width="{line:g}"/>'],
-    }
-    parts = drives.get(track.drive, [])
+    parts = [polygon(corners, "rim") for corners in LOOK["drives"].get(track.drive, ())]
     brakes = spans_of(bool(pose and pose.push and pose.push.brakes) for pose in poses)
     parts.append(
         beat.shown(shape("brake", "brake of-light", 'style="stroke-width:2"'), brakes.get(True, []))

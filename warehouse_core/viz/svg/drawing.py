@@ -63,7 +63,7 @@ text{text-anchor:middle}.words{text-anchor:start}.count{text-anchor:end}.small{f
 text.of-dark{paint-order:stroke;stroke-width:${letter}em;stroke-linejoin:round}.of-rim{stroke-width:4}.shadow{fill-rule:evenodd}.wall,.shelf{shape-rendering:crispEdges}.visited{opacity:.12}
 .trail,.plan{fill:none;stroke-width:$trail;stroke-linecap:round;stroke-linejoin:round;opacity:.55}
 .ghost{fill:none;stroke-width:4;stroke-dasharray:12 8}
-.plan{opacity:1;stroke-width:$plan}.ring{fill:none}.skid{opacity:.5}
+.plan{opacity:1;stroke-width:$plan}.skid{opacity:.5}
 .dots{stroke-width:$wish;stroke-dasharray:1 33}
 [class^=of-]{fill:none}
 .rests{display:none}

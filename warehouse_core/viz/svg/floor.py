@@ -38,8 +38,13 @@ def box(left: float, top: float, wide: float, high: float, look: str) -> str:
 
 def shape(name: str, look: str, others: str = "") -> str:
     """Return a shape of ``tiles.json`` around the origin, with the style classes ``look``."""
-    corners = " ".join(f"{UNIT * x:g},{UNIT * y:g}" for x, y in LOOK["shapes"][name])
-    return f'<polygon points="{corners}" class="{look}"{f" {others}" if others else ""}/>'
+    return polygon(LOOK["shapes"][name], look, others)
+
+
+def polygon(corners: Sequence[Sequence[float]], look: str, others: str = "") -> str:
+    """Return a polygon whose corners are in cells, with the style classes ``look``."""
+    points = " ".join(f"{UNIT * x:g},{UNIT * y:g}" for x, y in corners)
+    return f'<polygon points="{points}" class="{look}"{f" {others}" if others else ""}/>'
 
 
 def floor_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -> Iterator[str]:

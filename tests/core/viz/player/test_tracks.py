@@ -4,11 +4,8 @@ from typing import Any
 
 import pytest
 from helpers.fleets import fleet_episode
-from helpers.integrals import integral
 from helpers.player import page_in, said_by
 
-from agents.run_episode import run_episode
-from warehouse_core.records.drive_summary import drive_summary
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.player import player_frame, player_page, save_page
 from warehouse_core.viz.player.tracks import Columns
@@ -49,21 +46,6 @@ def test_a_page_says_when_it_opens_or_that_it_plays(
 def test_a_page_that_is_to_open_at_no_moment_is_refused(opens_at: Any, track: Track) -> None:
     with pytest.raises(ValueError, match="opens_at is"):
         player_page([track], opens_at=opens_at)
-
-
-def test_a_page_of_a_body_charts_the_speeds_that_it_measured() -> None:
-    record = run_episode(backend="physics", seed=12)
-    track, summary = track_of_record(record), drive_summary(record)
-    assert summary is not None
-    charts = {each["title"]: each["series"] for each in said_by(player_page([track]))["charts"]}
-    [speed] = charts["Speed (m/s)"]
-    assert integral(speed["y"], speed["x"]) == pytest.approx(summary.distance, rel=0.01)
-    assert max(speed["y"]) == pytest.approx(summary.top_speed) == pytest.approx(1.0, abs=1e-6)
-    [energy] = charts["Energy used (J)"]
-    assert energy["y"][-1] == pytest.approx(record.joules, rel=1e-6)
-    assert energy["x"] == speed["x"]
-    [force] = charts["Motor force (N)"]
-    assert (min(force["y"]), max(force["y"])) == pytest.approx((-42.64, 60), abs=0.01)
 
 
 @pytest.mark.parametrize("values", [[2**31 - 0.4], [0, 2**31 - 1, -1], [math.nan], [math.inf] * 2])
