@@ -43,7 +43,7 @@ LOOK: dict[str, Any] = json.loads((FILES / "tiles.json").read_text(encoding="utf
 Lengths are in cells. The corners of ``shapes``, and of ``drives``, the parts below a chassis, are
 relative to the centre of a cell or of a body that heads east. ``textures`` has the polygons of a
 tile by their colour, relative to its top left corner. ``signs`` has the looks of signs in legends;
-see ``look_of``. ``letter`` and ``name`` are font sizes; ``name`` is divided by the number of digits.
+see ``look_of``. Font sizes are ``letter`` and ``name``, which is divided by the number of digits.
 ``lines`` has line widths; the width of ``letter`` is a share of the font size. Fleets of more than
 ``few`` robots show a battery only if its level is below the share ``low``.
 """

@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
+from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import POINTS
 from warehouse_core.viz.gif_writer import ColorValues
 from warehouse_core.viz.line_of_text import LineOfText
@@ -73,8 +74,10 @@ class SceneFigure(Figure):
             self.add_mover(artist)
 
     def add_text(self, left: float, top: float, **style: Any) -> Text:
-        """Add a text that changes from frame to frame, at a position from 0, 0 to 1, 1."""
-        text = LineOfText(left, top, parse_math=False, **style)
+        """Add a text that changes from frame to frame, in inches from the top left corner."""
+        width, height = self.get_size_inches()
+        usual: dict[str, Any] = {"color": INK, "va": "center", "parse_math": False}
+        text = LineOfText(left / width, 1 - top / height, **usual | style)
         text.set_figure(self)
         text.set_transform(self.transFigure)
         self.texts.append(text)

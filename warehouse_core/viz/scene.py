@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.text import Text
 
-from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import POINTS, box_in
 from warehouse_core.viz.charts import BatteryBar, Chart, Charted, charts_of, share_scales
 from warehouse_core.viz.figure import SceneFigure
@@ -46,17 +44,16 @@ class Scene:
         charts = [self._charts_of(track) for track in tracks]
         sheet = sheet_of(tracks, [[*each] for each in charts], steps, legend=legend)
         self.root = make_figure(sheet.size)
-        page = SheetFigure(self.root, sheet)
         end = steps if length else self._timeline.moments[-1]
         label = "seconds" if self._in_seconds else "step"
         self._panels = [
-            Panel(page, place, track, each, end, label)
+            Panel(self.root, sheet, place, track, each, end, label)
             for place, track, each in zip(sheet.places, tracks, charts, strict=True)
         ]
         self._clock: Text | None = None
         if len(tracks) > 1:
             share_scales(chart for panel in self._panels for chart in panel.charts)
-            self._clock = page.write(WIDTH / 2, 0.28, fontsize=18, ha="center", **BOLD)
+            self._clock = self.root.add_text(WIDTH / 2, 0.28, fontsize=18, ha="center", **BOLD)
         self._draw_legend = partial(draw_legend, self.root, columns=sheet.legend_columns)
         self._legend = self._draw_legend(tracks) if legend else None
         self.show(0)
@@ -98,23 +95,6 @@ class Scene:
             self._legend = self._draw_legend([track])
 
 
-class SheetFigure:
-    """A figure to which axes and text are added by their positions on a sheet."""
-
-    def __init__(self, figure: SceneFigure, sheet: Sheet) -> None:
-        self.figure, self.sheet = figure, sheet
-
-    def axes(self, box: Box) -> Axes:
-        """Return new axes in a box of the sheet."""
-        return self.figure.add_axes(box_in(self.sheet.size, *box))
-
-    def write(self, left: float, top: float, **style: Any) -> Text:
-        """Return a new text, still empty, at a position of the sheet."""
-        width, height = self.sheet.size
-        style = {"color": INK, "va": "center"} | style
-        return self.figure.add_text(left / width, 1 - top / height, **style)
-
-
 class Panel:
     """One track of a picture: its map, charts, battery and text.
 
@@ -123,23 +103,28 @@ class Panel:
 
     def __init__(
         self,
-        page: SheetFigure,
+        figure: SceneFigure,
+        sheet: Sheet,
         place: TrackPlace,
         track: Track,
         charted: Charted,
         end: float,
         label: str,
     ) -> None:
-        self.track, figure = track, page.figure
-        self.view = View(figure, page.axes(place.map), place.cell * POINTS, track)
+        self.track = track
+
+        def axes_in(box: Box) -> Axes:
+            return figure.add_axes(box_in(sheet.size, *box))
+
+        self.view = View(figure, axes_in(place.map), place.cell * POINTS, track)
         self.charts = []
         for title, box in place.charts.items():
-            is_labelled = not page.sheet.labels_last or title == [*place.charts][-1]
+            is_labelled = not sheet.labels_last or title == [*place.charts][-1]
             words = label if is_labelled else None
-            self.charts.append(Chart(figure, page.axes(box), charted[title], end, label=words))
-        self._bar = BatteryBar(figure, page.axes(place.bar)) if place.bar else None
+            self.charts.append(Chart(figure, axes_in(box), charted[title], end, label=words))
+        self._bar = BatteryBar(figure, axes_in(place.bar)) if place.bar else None
         self._lines = [
-            (say, page.write(left, top, **style)) for left, top, say, style in place.lines
+            (say, figure.add_text(left, top, **style)) for left, top, say, style in place.lines
         ]
 
     def read(self, track: Track, charted: Charted) -> None:

@@ -175,7 +175,7 @@ def test_a_line_of_text_is_where_matplotlib_would_write_it(size: int, style: dic
     for figure in figures:
         FigureCanvasAgg(figure)
     style = {"va": "center", "fontsize": size, "color": "black", **style}
-    figures[0].add_text(0.5, 0.5, text="step 9 of 12", **style)
+    figures[0].add_text(2, 0.5, text="step 9 of 12", **style)
     figures[1].add_mover(figures[1].text(0.5, 0.5, "step 9 of 12", **style))
     inked = [np.argwhere(figure.rgba()[..., 0] < 128) for figure in figures]
     for edge in (np.min, np.max):
@@ -187,7 +187,7 @@ def test_a_line_of_text_is_where_matplotlib_would_write_it(size: int, style: dic
 
 def test_a_line_of_text_is_cut_off_at_the_edges() -> None:
     whole, cut = (SceneFigure(figsize=(2, 1)) for _ in range(2))
-    for figure, left, top in ((whole, 0.5, 0.5), (cut, 0.0, 1.0)):
+    for figure, left, top in ((whole, 1, 0.5), (cut, 0, 0)):
         FigureCanvasAgg(figure)
         figure.add_text(left, top, text="MMMM", ha="center", va="center", fontsize=30)
     quarter = whole.rgba()[50:, 100:][: 50 - 1, : 100 - 1]
