@@ -244,9 +244,9 @@ def _orders(waiting: Iterable[Waiting]) -> Iterator[str]:
         col, row = (round(UNIT * (int(place) + ITEM["place"])) for place in (x, y))
         words, look = (f"{count}!", "light") if age == LATE else (str(count), "dark")
         size = 1.6 * half if len(words) == 1 else 2.4 * half / len(words)
-        yield box(col - half, row - half, 2 * half, 2 * half, f"{ORDERS[age]} of-rim")
+        ground = box(col - half, row - half, 2 * half, 2 * half, f"{ORDERS[age]} of-rim")
         at = f'x="{col}" y="{row + 0.36 * size:.0f}" font-size="{size:.0f}"'
-        yield f'<text {at} class="{look}">{words}</text>'
+        yield f'{ground}<text {at} class="{look}">{words}</text>'
 
 
 def _burst(hit: DrawnHit) -> str:

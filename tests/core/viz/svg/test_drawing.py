@@ -4,6 +4,7 @@ import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -163,6 +164,8 @@ def test_robots_of_a_fleet_have_their_places_numbers_and_orders_in_each_frame() 
         carried = sum(age is not None for age in frame.fleet.items)
         assert sum(width == "28" for _, width in boxes) == carried
         assert sum(width == "36" for _, width in boxes) == len(frame.fleet.waiting)
+        for (_, box), (above, _) in pairwise(shown.shown(number)):
+            assert box.get("width") != "36" or above.tag == f"{SVG}text", "no box is on its number"
     assert any(frame.fleet and frame.fleet.waiting for frame in track.frames)
 
 
