@@ -121,11 +121,8 @@ ORDER_COLORS: tuple[Color, ...] = (
 )  # fmt: skip
 """Colours of an order by its age: one for each third of its time until due, and one for late."""
 
-UNKNOWN: Color = color_named("unseen")
-"""Colour of a cell that a robot has not seen. The palette of files has a similar colour."""
-
-UNKNOWN_STRIPE: Color = color_named("stripe")
-"""Colour of the stripe in a cell that a robot has not seen."""
+LATE = len(ORDER_COLORS) - 1
+"""Age of an order that is late."""
 
 SHELF, BOARD = color_named("shelf"), color_named("board")
 """Colours of shelves, which are the walls inside the border, and of their boards."""

@@ -10,18 +10,7 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from warehouse_core.render.palette import (
-    BOARD,
-    COLORS,
-    ICE_WAVE,
-    INK,
-    LOOK,
-    PALETTE,
-    PAPER,
-    UNKNOWN_STRIPE,
-    Color,
-    hex_color,
-)
+from warehouse_core.render.palette import COLORS, INK, LOOK, PALETTE, PAPER, hex_color
 from warehouse_core.viz.axes import SMALLEST
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks import signs
@@ -32,12 +21,12 @@ from warehouse_core.world.tiles import EMPTY, WALL
 
 WORDS = LOOK["words"]
 
-HATCHES: dict[str, tuple[str, Color]] = {
-    "shelf": ("--", BOARD),
-    "unseen": ("///", UNKNOWN_STRIPE),
-    "ice": ("\\\\\\", ICE_WAVE),
+HATCHES = {
+    "shelf": ("--", "board"),
+    "unseen": ("///", "stripe"),
+    "ice": ("\\\\\\", "wave"),
 }
-"""Patterns of tiles, with their colours."""
+"""Patterns of tiles, with the names of their colours."""
 
 LINES: dict[str, dict[str, Any]] = {
     "line": {"linewidth": 3.0},
@@ -94,12 +83,14 @@ def signs_of(track: Track) -> Signs:
 
 def _artist_of(name: str) -> Artist:
     style, color, shape = signs.look_of(name)
-    color = (PALETTE["light"] | PALETTE["both"]).get(color, color)
+    colors = PALETTE["light"] | PALETTE["both"]
+    color = colors.get(color, color)
     if style in LINES:
         return Line2D([], [], color=color, **LINES[style])
     if name in HATCHES:
         hatch, lines = HATCHES[name]
-        return Rectangle((0, 0), 1, 1, lw=0, facecolor=color, edgecolor=lines, hatch=hatch)
+        edge = colors[lines]
+        return Rectangle((0, 0), 1, 1, lw=0, facecolor=color, edgecolor=edge, hatch=hatch)
     outline = tuple((x, -y) for x, y in LOOK["shapes"][shape]) if shape and not style else ()
     return _marker(outline or ("o" if "disc" in style else "s"), color)
 

@@ -30,6 +30,7 @@ from warehouse_core.render.palette import (
     HIT,
     INK,
     ITEM,
+    LATE,
     LOOK,
     ORDER_COLORS,
     PAPER,
@@ -112,8 +113,6 @@ FADE_STEPS, MAX_FADE = 20, 0.75
 WEAK_MOTOR, DASHES, GHOST = (1.4, 1.0), (2.5, 1.5), (3.0, 2.0)
 """Dash patterns, in multiples of the line width: around a robot with weak motors, of the trail of a
 loaded robot, and around a ghost."""
-
-LATE = len(ORDER_COLORS) - 1
 
 STAR, DIAMOND, NOSE, ARROW, HEAD = (
     np.array(LOOK["shapes"][key]) for key in ("hit", "H", "nose", "push", "arrow")

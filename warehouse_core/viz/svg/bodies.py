@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from warehouse_core.records.plans import NO_PLANS
-from warehouse_core.render.palette import LOOK
+from warehouse_core.render.palette import LATE, LOOK
 from warehouse_core.viz.svg.beat import Beat, spans_of
 from warehouse_core.viz.svg.floor import UNIT, box, polygon, shape
 from warehouse_core.viz.tracks.history import History, skids_of
@@ -43,8 +43,6 @@ RADIUS = round(UNIT * ROBOT["radius"])
 
 ORDERS = ("item", "order-older", "order-nearly-due", "order-late")
 """Names of the colours of orders, by age."""
-
-LATE = len(ORDERS) - 1
 
 MIN_NAMED = 20
 """Least side of a cell, in pixels, for which the number of a robot is legible."""

@@ -9,19 +9,17 @@ from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-from warehouse_core.render.atlas import UNSEEN
+from warehouse_core.render.atlas import STATIONS, UNSEEN
 from warehouse_core.render.palette import LOOK, hex_color
 from warehouse_core.viz.svg.beat import Beat, Span
 from warehouse_core.viz.tracks.track import Frame, TileRows, Track, cells_of
-from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, Cell, runs_of
+from warehouse_core.world.tiles import WALL, Cell, runs_of
 
 UNIT = 100
 """Length of the side of a cell."""
 
 MAX_LINED_COLUMNS = 40
 """Columns of the widest floor with lines between its cells."""
-
-STATIONS = (PICKUP, DROPOFF, CHARGER)
 
 MIN_LETTER = 16
 """Least side of a cell, in pixels, for letters and for the boards of shelves."""

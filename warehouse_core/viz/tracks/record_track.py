@@ -22,7 +22,7 @@ from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.records.held_up import held_up
 from warehouse_core.records.plans import NO_PLANS, StepPlans, check_plans
-from warehouse_core.render.palette import LOOK, ORDER_COLORS
+from warehouse_core.render.palette import LATE, LOOK
 from warehouse_core.viz.tracks.track import (
     DrawnHit,
     FleetFrame,
@@ -58,9 +58,6 @@ MAX_PUSHED = int(LOOK["battery"]["few"])
 SKIDDING, SLOW = 0.99, 0.02
 """Least share of the largest force on slippery floor with which a robot skids, and the speed in m/s
 that it must exceed in order to skid."""
-
-LATE = len(ORDER_COLORS) - 1
-"""Age of an order that is late."""
 
 ACTION_WORDS = {
     "N": "North", "S": "South", "E": "East", "W": "West",
