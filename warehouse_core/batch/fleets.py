@@ -27,7 +27,11 @@ from warehouse_core.batch.kernels import (
     PICKED,
     Fleets,
     Motions,
+    Seen,
     judge_all,
+    mask_all,
+    observe_all,
+    show_all,
 )
 from warehouse_core.batch.order_books import OrderBooks
 from warehouse_core.batch.people import MingledMotion, Walkers
@@ -87,8 +91,13 @@ def _fixed(layout: Layout, settings: FleetSettings) -> list[int]:
 
 
 Numbers = NDArray[np.intp]
+
+MAX_LOOPED_VIEWS = 1000
+"""Most robots whose windows and masks loops fill in faster than NumPy, which copies whole rows."""
+
 NO_HEADINGS = NO_ROWS = np.empty(0, np.intp)
 NO_FLAGS = np.empty(0, np.bool_)
+NO_DUE = np.empty(0, np.int32)
 
 MOTION_TYPES = np.intp, np.bool_, np.float64, np.float64, np.intp, np.bool_
 """Types of the fields of ``Motions``."""
@@ -158,7 +167,8 @@ class FleetEngine:
         self.battery = np.zeros(rows)
         self.steps = np.zeros(floors, np.int32)
         self.terminated, self.truncated, self.failed, self.ended = np.zeros((4, rows), np.bool_)
-        self._rows_ended, self.running = NO_ROWS, rows
+        self._views_in_loops = IS_COMPILED and rows <= MAX_LOOPED_VIEWS
+        self._every_row, self._rows_ended, self.running = np.arange(rows), NO_ROWS, rows
         if not settings.has_orders:
             floor.put_own_stations(np.arange(rows))
 
@@ -210,6 +220,9 @@ class FleetEngine:
 
     def observe(self, rows: Rows = ALL) -> FleetArrays:
         """Return the observations of some robots, as new arrays."""
+        if self._views_in_loops:
+            every = self._every_row
+            return self._observe_in_a_loop(every if rows is ALL else every[rows])
         self._floor.show(self.robots.cells, self.robots.has_item, self.walkers.cells)
         steps = self.steps.repeat(self.settings.robots)[rows]
         battery = self.battery[rows].astype(np.int32)  # this rounds down, as units are not negative
@@ -222,10 +235,40 @@ class FleetEngine:
 
     def masks(self) -> NDArray[np.int8]:
         """Return ``[N, 7]`` int8, or ``[N, 6]`` with headings: 1 for each action with an effect."""
-        return self.robots.masks()
+        if not self._views_in_loops:
+            return self.robots.masks()
+        masks = np.empty((len(self.ended), len(self.settings.actions)), np.int8)
+        cells, headings = self.robots.cells, self.headings
+        mask_all(self._state(), self._floor.for_kernels, VERDICTS, cells, headings, masks)
+        return masks
+
+    def _observe_in_a_loop(self, rows: Numbers) -> FleetArrays:
+        """Do the same as ``observe`` with a compiled loop."""
+        count, settings, floor = len(rows), self.settings, self._floor
+        arrays: dict[str, Any] = {
+            "local_grid": np.empty((count, floor.views.windows.shape[1]), np.uint8),
+            "robot_pos": np.empty((count, 2), np.int32),
+            "has_item": np.empty(count, np.int64),
+            "battery": np.empty((count, 1), np.int32),
+            "steps": np.empty((count, 1), np.int32),
+            "pickup_pos": np.empty((count, 2), np.int32),
+            "dropoff_pos": np.empty((count, 2), np.int32),
+        }
+        if settings.has_headings:
+            arrays["heading"] = np.empty(count, np.int64)
+        if self.orders:
+            arrays["due"] = np.empty((count, 1), np.int32)
+        if floor.has_chargers and not settings.is_lone:
+            arrays["charger_pos"] = np.empty((count, 2), np.int32)
+        ground, views, state = floor.for_kernels, floor.views, self._state()
+        cells, headings = self.robots.cells, self.headings
+        due = self.orders.due if self.orders else NO_DUE
+        show_all(state, ground, views, cells, self.walkers.cells)
+        observe_all(state, ground, views, cells, due, headings, rows, Seen(**arrays))
+        return cast(FleetArrays, arrays)
 
     @property
-    def headings(self) -> Integers:
+    def headings(self) -> Numbers:
         """Headings ``[N]``, 0 to 3 for N, E, S and W; an empty array if robots have no headings."""
         return self.robots.headings if isinstance(self.robots, HeadedRobots) else NO_HEADINGS
 
@@ -274,16 +317,11 @@ class FleetEngine:
 
     def _judge_in_a_loop(self, actions: Numbers, counted: Numbers, outcome: BatchOutcome) -> Judged:
         """Do the same as ``_judge`` with a compiled loop."""
-        count, robots = len(self.ended), self.robots
-        fleets = Fleets(
-            self.settings.robots, self.settings.max_steps, not self._costs_steps, self.steps,
-            robots.has_item, self.battery, self.ended, self.failed,
-        )  # fmt: skip
-        motions = self._checked(outcome)
-        robots.cells = motions.cells
+        count, motions = len(self.ended), self._checked(outcome)
+        self.robots.cells = motions.cells
         rewards, events = np.empty(count), np.empty(count, np.uint8)
         every = judge_all(
-            fleets, self._floor.for_kernels, VERDICTS, self.tally.for_kernels, motions,
+            self._state(), self._floor.for_kernels, VERDICTS, self.tally.for_kernels, motions,
             actions, counted, rewards, events,
         )  # fmt: skip
         picked, delivered, out = (
@@ -295,6 +333,13 @@ class FleetEngine:
             np.maximum(self.battery, 0.0, out=self.battery)
             out = self._rows_out()
         return Judged(rewards, picked, delivered, out, every & OVER > 0)
+
+    def _state(self) -> Fleets:
+        settings = self.settings
+        return Fleets(
+            settings.robots, settings.max_steps, not self._costs_steps, self.steps,
+            self.robots.has_item, self.battery, self.ended, self.failed,
+        )  # fmt: skip
 
     def _checked(self, outcome: BatchOutcome) -> Motions:
         """Return the outcome of a motion for a kernel, which reads wherever its numbers lead.

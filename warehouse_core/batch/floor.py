@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.batch.fleet_settings import FleetSettings
-from warehouse_core.batch.kernels import Ground
+from warehouse_core.batch.kernels import Ground, Views
 from warehouse_core.batch.verdicts import STATION_NUMBERS, masks, sides_number, station_numbers
 from warehouse_core.errors import LayoutError
 from warehouse_core.task.encoding import NOWHERE, Window, marks
@@ -197,6 +199,9 @@ _OTHER_CODES = np.array([CELL_CODES[OTHER_EMPTY], CELL_CODES[OTHER_LOADED]], np.
 """Codes of other robots without and with an item."""
 
 
+_STATION_CODES = np.array([CELL_CODES[PICKUP], CELL_CODES[DROPOFF]], np.uint8)
+
+
 class FleetFloor(BatchFloor):
     """A ``BatchFloor`` for ``B`` floors with ``R`` robots on each.
 
@@ -207,6 +212,7 @@ class FleetFloor(BatchFloor):
 
     Attributes:
         for_kernels: tables and stations for the kernels of fleets.
+        views: tables of windows, and what is on top of the tiles, for the same kernels.
     """
 
     def __init__(self, layouts: LayoutSet, settings: FleetSettings) -> None:
@@ -241,8 +247,15 @@ class FleetFloor(BatchFloor):
         self._covered = self._robot_spots = self._corner_of[:0]
         pickups, dropoffs = self._station_cells
         self.for_kernels = Ground(
-            self._base, self._corner_of, self._spots, self._stations, STATION_NUMBERS,
-            self._ground, pickups, dropoffs, has_orders,
+            self._base, self._corner_of, self._spots, self._stations, STATION_NUMBERS, self._sides,
+            self._ground, pickups, dropoffs, np.zeros(len(self._kind), np.int16), has_orders,
+        )  # fmt: skip
+        windows = cast(NDArray[np.uint8], self._windows)  # these floors have no marks
+        self.views = Views(
+            radius, windows, self._places, self._chargers, np.array(strides).take(self._kind),
+            self._on_top, np.zeros(len(layouts.kind) * settings.bodies, np.intp),
+            self.station_places.reshape(-1), _ROBOT_CODES, _OTHER_CODES, _STATION_CODES,
+            CELL_CODES[PERSON], self._is_bare, self._floor_base, self._corner,
         )  # fmt: skip
 
     def set_waiting(

@@ -9,7 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from warehouse_core.compiled import Vector, kernel
+from warehouse_core.compiled import Matrix, Vector, kernel
+from warehouse_core.world.actions import WAIT
+from warehouse_core.world.moves import FORWARD, TURN_ACTIONS
+
+TURN_WAIT = TURN_ACTIONS.index("WAIT")
 
 PICKED, DELIVERED, CHARGES, OUT, OVER = (1 << place for place in range(5))
 """Events of a robot in a step, and of the step if any robot has them.
@@ -28,8 +32,10 @@ class Ground(NamedTuple):
         spots: spot of each cell on its floor.
         tiles: index into ``STATION_KINDS`` of each cell's tile.
         stations: index into ``STATION_KINDS`` of each code.
+        sides: number of each cell's open sides, see ``verdicts.sides_number``.
         codes: code of each spot below robots and people.
         pickups, dropoffs: ``[N]`` cells of each robot's order, or ``NO_CELL``.
+        under: ``[N]`` index into ``STATION_KINDS`` of each robot's cell; see ``find_stations``.
         has_orders: ``True`` if orders determine the stations.
     """
 
@@ -38,20 +44,29 @@ class Ground(NamedTuple):
     spots: Vector[np.int32]
     tiles: Vector[np.int16]
     stations: Vector[np.int16]
+    sides: Vector[np.uint8]
     codes: Vector[np.uint8]
     pickups: Vector[np.intp]
     dropoffs: Vector[np.intp]
+    under: Vector[np.int16]
     has_orders: bool
 
 
 class Verdicts(NamedTuple):
-    """The verdicts of ``task/rules.py`` by number; see ``verdicts.verdict_numbers``."""
+    """The verdicts of ``task/rules.py`` by number; see ``verdicts.verdict_numbers``.
+
+    Attributes:
+        stations: number of ``STATION_KINDS``.
+        rewards, has_item, delivered, charges: fields of each verdict.
+        masks: flags of actions with an effect, by sides, station and item.
+    """
 
     stations: int
     rewards: Vector[np.float64]
     has_item: Vector[np.bool_]
     delivered: Vector[np.bool_]
     charges: Vector[np.bool_]
+    masks: Matrix[np.int8]
 
 
 class Kinds(NamedTuple):
@@ -115,15 +130,70 @@ class Motions(NamedTuple):
     driving: Vector[np.bool_]
 
 
+class Views(NamedTuple):
+    """What robots see, with codes as in ``CELL_CODES``; see ``FleetFloor``.
+
+    Attributes:
+        radius: cells seen in each direction.
+        windows: ``[cells, K * K]`` window around each cell without anything on top of the tiles.
+        places, chargers: ``[cells, 2]`` row and column of each cell and of its nearest charger.
+        strides: ``[N]`` offset from a spot to the spot below it on each robot's floor.
+        on_top: code of each spot.
+        covered: spots with robots, and then with people.
+        stations: ``[2 * N * 2]`` row and column of each robot's pickup, and then of its dropoff.
+        robots, others: codes of the robot itself and of others, without and with an item.
+        codes: codes of a pickup and a dropoff.
+        person: code of a person.
+        is_bare: ``True`` if nothing is on top of the tiles.
+        floors, corners: ``[B]`` first cell and first spot of each floor.
+    """
+
+    radius: int
+    windows: Matrix[np.uint8]
+    places: Matrix[np.int32]
+    chargers: Matrix[np.int32]
+    strides: Vector[np.intp]
+    on_top: Vector[np.uint8]
+    covered: Vector[np.intp]
+    stations: Vector[np.int32]
+    robots: Vector[np.uint8]
+    others: Vector[np.uint8]
+    codes: Vector[np.uint8]
+    person: int
+    is_bare: bool
+    floors: Vector[np.intp]
+    corners: Vector[np.intp]
+
+
+class Seen(NamedTuple):
+    """The fields of ``FleetArrays``. Those that a fleet does not have are empty by default."""
+
+    local_grid: Matrix[np.uint8]
+    robot_pos: Matrix[np.int32]
+    has_item: Vector[np.int64]
+    battery: Matrix[np.int32]
+    steps: Matrix[np.int32]
+    pickup_pos: Matrix[np.int32]
+    dropoff_pos: Matrix[np.int32]
+    heading: Vector[np.int64] = np.empty(0, np.int64)
+    due: Matrix[np.int32] = np.empty((0, 1), np.int32)
+    charger_pos: Matrix[np.int32] = np.empty((0, 2), np.int32)
+
+
 @kernel
-def station_at(ground: Ground, robot: int, cell: int) -> int:
-    """Return the kind of a cell for a robot, as an index into ``STATION_KINDS``."""
-    number = ground.base[robot] + cell
+def find_stations(ground: Ground, cells: Vector[np.intp]) -> None:
+    """Set the kind of each robot's cell for this robot."""
+    base, corner, spots, codes = ground.base, ground.corner, ground.spots, ground.codes
     if not ground.has_orders:
-        return int(ground.tiles[number])
-    code = ground.codes[ground.corner[robot] + ground.spots[number]]
-    own = (1 if cell == ground.pickups[robot] else 0) + (2 if cell == ground.dropoffs[robot] else 0)
-    return own | int(ground.stations[code])
+        for robot in range(len(cells)):
+            ground.under[robot] = ground.tiles[base[robot] + cells[robot]]
+        return
+    for robot in range(len(cells)):
+        cell = cells[robot]
+        own = 1 if cell == ground.pickups[robot] else 0
+        own += 2 if cell == ground.dropoffs[robot] else 0
+        spot = corner[robot] + spots[base[robot] + cell]
+        ground.under[robot] = own | int(ground.stations[codes[spot]])
 
 
 @kernel
@@ -154,6 +224,7 @@ def judge_all(
     Returns:
         All events together.
     """
+    find_stations(ground, motions.cells)
     every = 0
     for floor in range(len(fleets.steps)):
         fleets.steps[floor] += 1
@@ -165,7 +236,7 @@ def judge_all(
             is_driving = len(motions.driving) > 0 and motions.driving[robot]
             had_item, station = fleets.has_item[robot], 0
             if not is_driving:
-                station = station_at(ground, robot, motions.cells[robot])
+                station = int(ground.under[robot])
             number = judged[robot] * verdicts.stations + station
             number = (number * 2 + (1 if had_item else 0)) * 2 + (1 if is_blocked else 0)
             rewards[robot] = 0.0 if has_ended else verdicts.rewards[number]
@@ -199,3 +270,135 @@ def judge_all(
             every |= event
         kinds.seconds[floor] += longest
     return every
+
+
+@kernel
+def mask_all(
+    fleets: Fleets,
+    ground: Ground,
+    verdicts: Verdicts,
+    cells: Vector[np.intp],
+    headings: Vector[np.intp],
+    masks: Matrix[np.int8],
+) -> None:
+    """Fill in the masks ``[N, 7]``, or ``[N, 6]`` for robots with headings."""
+    find_stations(ground, cells)
+    for robot in range(len(cells)):
+        sides = int(ground.sides[ground.base[robot] + cells[robot]])
+        row = sides * verdicts.stations + int(ground.under[robot])
+        row = row * 2 + (1 if fleets.has_item[robot] else 0)
+        for action in range(masks.shape[1]):
+            if len(headings) == 0:
+                masks[robot, action] = verdicts.masks[row, action]
+            elif action == FORWARD:
+                masks[robot, action] = verdicts.masks[row, headings[robot]]
+            elif action < TURN_WAIT:
+                masks[robot, action] = 1
+            else:
+                masks[robot, action] = verdicts.masks[row, action - TURN_WAIT + WAIT]
+
+
+@kernel
+def show_all(
+    fleets: Fleets, ground: Ground, views: Views, cells: Vector[np.intp], people: Matrix[np.intp]
+) -> None:
+    """Show robots and people in their cells, and nothing in the cells that they have left."""
+    on_top, covered, count = views.on_top, views.covered, len(cells)
+    for place in range(len(covered)):
+        on_top[covered[place]] = ground.codes[covered[place]]
+    for robot in range(count):
+        spot = ground.corner[robot] + ground.spots[ground.base[robot] + cells[robot]]
+        covered[robot] = spot
+        on_top[spot] = views.others[1 if fleets.has_item[robot] else 0]
+    for floor in range(people.shape[0]):
+        for person in range(people.shape[1]):
+            spot = views.corners[floor] + ground.spots[views.floors[floor] + people[floor, person]]
+            covered[count] = spot
+            on_top[spot] = views.person
+            count += 1
+
+
+@kernel
+def look_around(
+    ground: Ground,
+    views: Views,
+    cells: Vector[np.intp],
+    rows: Vector[np.intp],
+    windows: Matrix[np.uint8],
+) -> None:
+    """Fill in the windows ``[M, K * K]`` of some robots, except for the robots in the middle."""
+    radius, side, stations = views.radius, 2 * views.radius + 1, views.stations
+    on_top, tiles, strides, covered = views.on_top, views.windows, views.strides, views.covered
+    base, places, codes, ends = ground.base, views.places, views.codes, 0
+    if ground.has_orders:
+        ends = len(codes)
+    if views.is_bare:
+        for at in range(len(rows)):
+            number = base[rows[at]] + cells[rows[at]]
+            for place in range(windows.shape[1]):
+                windows[at, place] = tiles[number, place]
+        return
+    for at in range(len(rows)):
+        robot = rows[at]
+        number, stride = base[robot] + cells[robot], strides[robot]
+        corner = covered[robot] - radius * (stride + 1)
+        for down in range(side):
+            for right in range(side):
+                place = down * side + right
+                code, tile = on_top[corner + down * stride + right], tiles[number, place]
+                windows[at, place] = code if code > tile else tile
+        for end in range(ends):  # these tiles are below everything on top, but above the floor
+            first = (end * len(base) + robot) * 2
+            down = stations[first] - places[number, 0] + radius
+            right = stations[first + 1] - places[number, 1] + radius
+            if stations[first] >= 0 and 0 <= down < side and 0 <= right < side:
+                code, tile = on_top[corner + down * stride + right], codes[end]
+                windows[at, down * side + right] = code if code > tile else tile
+
+
+@kernel
+def observe_all(
+    fleets: Fleets,
+    ground: Ground,
+    views: Views,
+    cells: Vector[np.intp],
+    due: Vector[np.int32],
+    headings: Vector[np.intp],
+    rows: Vector[np.intp],
+    seen: Seen,
+) -> None:
+    """Fill in the observations of some robots, after ``show_all``.
+
+    Args:
+        fleets: state of the robots.
+        ground: stations of the floors.
+        views: tables of what robots see.
+        cells: ``[N]`` cells of the robots.
+        due: ``[N]`` steps by which orders are due.
+        headings: ``[N]`` headings.
+        rows: ``[M]`` rows of the observed robots.
+        seen: ``[M]`` observations, to be filled in.
+    """
+    look_around(ground, views, cells, rows, seen.local_grid)
+    base, places, stations, half = ground.base, views.places, views.stations, 2 * len(ground.base)
+    middle = seen.local_grid.shape[1] // 2
+    for at in range(len(rows)):
+        robot = rows[at]
+        number = base[robot] + cells[robot]
+        has_item = 1 if fleets.has_item[robot] else 0
+        seen.local_grid[at, middle] = views.robots[has_item]
+        seen.has_item[at] = has_item
+        seen.battery[at, 0] = int(fleets.battery[robot])
+        seen.steps[at, 0] = fleets.steps[robot // fleets.robots]
+        for part in range(2):
+            seen.robot_pos[at, part] = places[number, part]
+            seen.pickup_pos[at, part] = stations[2 * robot + part]
+            seen.dropoff_pos[at, part] = stations[half + 2 * robot + part]
+    for at in range(len(seen.charger_pos)):
+        number = base[rows[at]] + cells[rows[at]]
+        seen.charger_pos[at, 0] = views.chargers[number, 0]
+        seen.charger_pos[at, 1] = views.chargers[number, 1]
+    for at in range(len(seen.due)):
+        seen.due[at, 0] = due[rows[at]]
+    for at in range(len(seen.heading)):
+        seen.heading[at] = headings[rows[at]]

@@ -39,8 +39,6 @@ _HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
 _DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
 _CHARGES = np.array([verdict.charges for verdict in _VERDICTS])
 
-VERDICTS = Verdicts(len(STATION_KINDS), _REWARDS, _HAS_ITEM, _DELIVERED, _CHARGES)
-
 _MASK_BYTES = 8
 """Bytes of a mask with padding, because looking up eight bytes is much faster than seven."""
 
@@ -54,6 +52,12 @@ _MASKS = np.array(
     ],
     np.int8,
 ).view(np.uint64)[:, 0]
+
+VERDICTS = Verdicts(
+    len(STATION_KINDS), _REWARDS, _HAS_ITEM, _DELIVERED, _CHARGES,
+    _MASKS.view(np.int8).reshape(-1, _MASK_BYTES),
+)  # fmt: skip
+"""All verdicts and masks for the kernels of fleets."""
 
 
 def verdict_numbers(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.forms import use_loops
 
-from warehouse_core import FleetEnv, GridMotion, Layout, OrderQueue, People, shelf_layout
+from warehouse_core import FleetEnv, GridMotion, Layout, Order, OrderQueue, People, shelf_layout
 from warehouse_core.fleet import Battery, FleetBatch
 from warehouse_core.motion.base import BatchOutcome
 from warehouse_core.motion.grid import GridFleetBatch
@@ -16,10 +16,18 @@ from warehouse_core.motion.grid import GridFleetBatch
 SMALL, WIDE = Layout(["P..C", ".#..", "...D"]), Layout(["P.C.#D..", "..D....P"])
 SHELVES = shelf_layout(2, 2, 3, pickups=2, dropoffs=2, chargers=2)
 
+ENDS = ((0, 0), (0, 1))
+CROSSING = [
+    Order(step, step + 20, *ends) for step in range(0, 40, 4) for ends in (ENDS, ENDS[::-1])
+]
+"""Orders whose pickups are the dropoffs of others."""
+
 KINDS: dict[str, dict[str, Any]] = {
     "one robot": {"robots": 1, "layout": SMALL},
     "robots only": {"robots": 6, "layout": SMALL},
     "flat batteries": {"robots": 5, "layout": SMALL, "battery": 25, "max_steps": 60},
+    "ends on chargers": {"robots": 3, "layout": Layout(["CCC", "P.D"]), "battery": 4},
+    "listed": {"robots": 2, "layout": WIDE, "orders": CROSSING},
     "no view": {"robots": 3, "layout": SMALL, "orders": 0.3, "view_radius": 0},
     "orders": {"robots": 6, "layout": SHELVES, "orders": 0.6, "late_penalty": 0.1},
     "queue": {"robots": 4, "layout": WIDE, "orders": OrderQueue(3), "team_reward": True},
@@ -127,6 +135,18 @@ def test_loops_accept_outcomes_of_other_types(monkeypatch: pytest.MonkeyPatch) -
         native, foreign = (fleet.step(actions) for fleet in fleets)
         assert flat(native[0]) == flat(foreign[0])
     assert fleets[0].measures == fleets[1].measures
+
+
+def test_robots_that_fail_end_in_both_forms(monkeypatch: pytest.MonkeyPatch) -> None:
+    each, failed = [], np.array([False, True])
+    for loops in (False, True):
+        use_loops(monkeypatch, loops)
+        motion = ForeignMotion(lambda outcome: outcome._replace(failed=failed))
+        fleet = FleetEnv(SMALL, 2, backend=motion)
+        fleet.reset(seed=1)
+        each.append([flat(part) for part in fleet.step(["N", "E"])])
+        assert fleet.ended == [False, True]
+    assert each[0] == each[1]
 
 
 @pytest.mark.parametrize(
