@@ -24,7 +24,8 @@ def main() -> None:
         max_episode_steps=10**9,
         seed=0,
     )
-    env, actions, number = pogema_v0(config), given["actions"], 0
+    # The class itself, without the wrappers that limit episodes and measure them.
+    env, actions, number = pogema_v0(config).unwrapped, given["actions"], 0
     env.reset()
     for line in sys.stdin:
         wall, cpu = time.perf_counter(), time.process_time()
