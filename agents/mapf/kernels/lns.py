@@ -44,7 +44,7 @@ class Groups(NamedTuple):
 
     Attributes:
         members: ``[MOST + 1]``, the robots of a group. The last entry is their number.
-        is_in: ``[R]``, 1 for robots in the group.
+        is_in: ``[R]``, 1 for robots in the group, and for robots that no group replans.
         saved: ``[MOST * T]``, the previous paths of the group.
         costs: ``[MOST]``, costs of the new paths of the group.
         weights: ``[KINDS * SIZES]``, probability weight of each kind and size.
@@ -169,7 +169,12 @@ def gather(
     """Gather a group of at most ``size`` robots, in random order."""
     members, random, robots = groups.members, groups.random, len(routes.costs)
     members[MOST] = 0
-    size = min(size, robots)
+    free = robots
+    for robot in range(robots):
+        free -= groups.is_in[robot]
+    size = min(size, free)
+    if size == 0:
+        return
     if kind == LATE:
         gather_late(floor, routes, groups, fields, size)
     elif kind == NEAR:
@@ -256,7 +261,7 @@ def improve(
         gather(floor, routes, groups, fields, arm % KINDS, 2 << arm // KINDS)
         before = frontier.serial[1]
         gained = plan_anew(floor, routes, frontier, groups, fields)
-        work = frontier.serial[1] - before + groups.members[MOST] * routes.times
+        work = max(frontier.serial[1] - before + groups.members[MOST] * routes.times, 1)
         weights[arm] += (min((gained << 24) // work, MOST_WEIGHT) - weights[arm]) // SHARE
 
 

@@ -1,5 +1,6 @@
 """Lifelong planning in windows: small cases by hand, and crowds checked with the rules."""
 
+import numpy as np
 import pytest
 from helpers.mapf_problems import random_problem, random_problems, situation
 from helpers.mapf_runs import check_planner
@@ -8,6 +9,7 @@ from helpers.mapf_validator import step_conflict
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
+from agents.mapf.planner import Situation
 from agents.mapf.problem import Problem
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
@@ -120,3 +122,28 @@ def test_costs_that_are_no_tenths_are_planned_with(wrong_way: float, turn_cost: 
     graph, plain = Graph(layout, lane_costs(layout, wrong_way)), random_problem(layout, 12, seed=2)
     problem = Problem(graph, plain.starts, plain.goals)
     assert check_planner(lambda graph: WindowedPlanner(graph, turn_cost=turn_cost), problem, 20) > 5
+
+
+def delay_of_first_robot(seed: int, robots: int, urgent: list[int]) -> int:
+    """Return by how many steps a robot in a crowd reaches its goal later than it would alone."""
+    graph = Graph(random_layout(12, 12, 0.2, seed=1))
+    stream = np.random.default_rng(seed)
+    cells, goals = (stream.permutation(graph.layout.open_cells)[:robots] for _ in range(2))
+    planner, steps = WindowedPlanner(graph), -int(graph.distances(int(goals[0]))[cells[0]])
+    nobody, none = np.zeros(robots, np.bool_), np.array([], np.intp)
+    while cells[0] != goals[0]:
+        hurries = np.array(urgent, np.intp)
+        cells = planner.next_cells(Situation(cells, goals, nobody, none, hurries))
+        steps += 1
+    return steps
+
+
+def test_urgent_robots_are_not_delayed_for_others() -> None:
+    delays = [
+        sum(delay_of_first_robot(seed, 70, urgent) for seed in range(4)) for urgent in ([], [0])
+    ]
+    assert 2 * delays[1] < delays[0]
+
+
+def test_all_robots_can_be_urgent() -> None:
+    assert delay_of_first_robot(seed=0, robots=3, urgent=[0, 1, 2]) == 0
