@@ -112,7 +112,8 @@ class Scheduler:
         is_done = bool(self._are_at_work(robots).any())
         aims |= self._escape(robots, goals, is_done, walls, people)
         for robot, aim in aims.items():
-            goals[robot], hurries[robot] = aim, True
+            goals[robot] = aim
+        hurries[self._escapes.held] = True
         stays |= shares
         stays[self._escapes.held] |= goals[self._escapes.held] == robots.cells[self._escapes.held]
         urgent = np.flatnonzero(hurries & (goals != robots.cells))
