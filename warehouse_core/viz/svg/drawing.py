@@ -17,7 +17,7 @@ from warehouse_core.errors import FormatError
 from warehouse_core.render.palette import LOOK, PALETTE
 from warehouse_core.viz.svg.beat import Beat, spans_of
 from warehouse_core.viz.svg.bodies import arrow_heads, bodies_of
-from warehouse_core.viz.svg.floor import UNIT, ends_of, floor_of
+from warehouse_core.viz.svg.floor import UNIT, ends_of, floor_of, textures
 from warehouse_core.viz.tracks.timeline import Timeline
 from warehouse_core.viz.tracks.track import (
     CONTINUOUS_FRAMES,
@@ -129,9 +129,9 @@ def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
                     f"{len(moments):,} frames; save the replay as .html, or as one picture"
                 )
         parts.append("</g>")
-    if any("marker-end" in part for part in parts):
-        parts.insert(0, arrow_heads())
-    body, box = "".join(parts), f'width="{width:g}" height="{height:g}"'
+    body = "".join(parts)
+    heads = arrow_heads() if "marker-end" in body else ""
+    body, box = heads + textures(body) + body, f'width="{width:g}" height="{height:g}"'
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" {box} '
         f'font-size="{SMALL}" role="img"><title>{html.escape(title)}</title>'

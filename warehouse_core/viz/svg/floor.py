@@ -68,20 +68,20 @@ def floor_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -
         yield box(0, 0, edge, bottom, "paper") + box(right - edge, 0, edge, bottom, "paper")
 
 
+def textures(drawn: str) -> str:
+    """Return the definitions of the textures to which a drawing refers."""
+    groups = ""
+    for name, looks in LOOK["textures"].items():
+        if f'"#{name}"' in drawn:
+            parts = (polygon(each, look) for look, polygons in looks.items() for each in polygons)
+            groups += f'<g id="{name}">{"".join(parts)}</g>'
+    return f"<defs>{groups}</defs>" if groups else ""
+
+
 def _texture(name: str, cells: Sequence[Cell]) -> Iterator[str]:
-    """Yield the polygons of a texture in some cells, as one shape for each colour."""
-    for color, polygons in LOOK["textures"][name].items():
-        outlines = (_outline(cell, corners) for cell in cells for corners in polygons)
-        if cells:
-            yield f'<path d="{"".join(outlines)}" class="{color}"/>'
-
-
-def _outline(cell: Cell, corners: Sequence[Sequence[float]]) -> str:
-    """Return the outline of a polygon in a cell, as part of a path."""
-    places = [(round(UNIT * x), round(UNIT * y)) for x, y in corners]
-    steps = [f"{to_x - x} {to_y - y}" for (x, y), (to_x, to_y) in pairwise(places)]
-    (row, col), (x, y) = cell, places[0]
-    return f"M{UNIT * col + x} {UNIT * row + y}l{' '.join(steps)}z"
+    """Yield references to a texture, one for each cell."""
+    for row, col in cells:
+        yield f'<use href="#{name}" x="{UNIT * col}" y="{UNIT * row}"/>'
 
 
 def _tiles(rows: TileRows, pixels: float) -> Iterator[str]:
