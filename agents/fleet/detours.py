@@ -24,9 +24,10 @@ class Detours:
     """Temporary goals for robots that are held up, until they have passed the obstacle.
 
     A robot is held up if it has waited for the time of ``PATIENCE`` cells next to a person or a
-    staying robot. It then goes around all such obstacles, as far as necessary. If no path around
-    exists, it goes back behind the nearest junction, so that a person can get out. The robots next
-    to a person whom robots enclose do the same.
+    staying robot. It then goes around all such obstacles, as far as necessary. If nothing blocks
+    its own path, it takes priority over others. If no path around exists, it goes back behind the
+    nearest junction, so that a person can get out. The robots next to a person whom robots enclose
+    do the same.
 
     Args:
         graph: floor with the costs of moves that the robots' paths use.

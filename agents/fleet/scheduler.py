@@ -105,19 +105,20 @@ class Scheduler:
         stay_long = robots.ended | self.chargers.charging(robots.cells)
         closed = dict.fromkeys([*env.people, *routes.ends[count:], *routes.closed])
         cells = env.layout.numbers(list(closed))
-        hurries = self.chargers.turn != NONE
+        has_turn = self.chargers.turn != NONE
+        hurries = has_turn.copy()
         aims = self._detours.goals(robots.cells, goals, stay_long, cells)
         people = env.layout.numbers(env.people)
         walls = {*robots.cells[stay_long | shares].tolist(), *cells.tolist()} - {*people.tolist()}
         is_done = bool(self._are_at_work(robots).any())
         aims |= self._escape(robots, goals, is_done, walls, people)
         for robot, aim in aims.items():
-            goals[robot] = aim
-        hurries[self._escapes.held] = True
+            goals[robot], hurries[robot] = aim, True
         stays |= shares
         stays[self._escapes.held] |= goals[self._escapes.held] == robots.cells[self._escapes.held]
-        urgent = np.flatnonzero(hurries & (goals != robots.cells))
-        return Situation(robots.cells, goals, stays, cells, urgent), actions
+        is_away = goals != robots.cells
+        urgent, undelayed = (np.flatnonzero(each & is_away) for each in (hurries, has_turn))
+        return Situation(robots.cells, goals, stays, cells, urgent, undelayed), actions
 
     def duties(self, env: FleetEnv) -> Duties:
         """Assign orders, and return the duty of each robot regardless of obstacles."""

@@ -93,7 +93,7 @@ class Circulation(PlacePlanner):
 
     def _read(self, situation: Situation, places: Integers) -> None:
         """Load a situation into the buffers: robots, their moves, goals and weights."""
-        cells, goals, stays, closed, urgent = situation
+        cells, goals, stays, closed, urgent, _ = situation
         self._memory.order(cells, goals, urgent)
         weights = np.minimum(self.patience + self._memory.ages, MOST_PATIENCES * self.patience)
         weights[urgent] *= URGENCY

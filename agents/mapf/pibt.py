@@ -69,7 +69,7 @@ class PIBT(PlacePlanner):
 
     def _choose(self, situation: Situation, places: Integers | None) -> Integers:
         """Return the next place of each robot."""
-        cells, goals, stays, closed, urgent = situation
+        cells, goals, stays, closed, urgent, _ = situation
         places = self._memory.places(cells)
         order = self._memory.order(cells, goals, urgent)
         is_taken = np.zeros(self.graph.size, np.int64)

@@ -35,7 +35,8 @@ class Situation(NamedTuple):
         stays: ``[R]``, true for robots that cannot move in this step, because they pick, drop or
             charge, or have a flat battery.
         closed: cells that no robot can enter in this step, such as cells of people.
-        urgent: robots that should go before all others, such as robots with a low battery.
+        urgent: robots that should go before all others, such as robots that go around an obstacle.
+        undelayed: robots among them that should not be late, such as robots with a low battery.
 
     Example:
         >>> import numpy as np
@@ -54,6 +55,7 @@ class Situation(NamedTuple):
     stays: NDArray[np.bool_]
     closed: Integers
     urgent: Integers = NO_CELLS
+    undelayed: Integers = NO_CELLS
 
 
 @runtime_checkable

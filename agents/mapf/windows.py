@@ -63,11 +63,11 @@ On 32 x 32 cells with 400 robots, 20, 100 and 400 groups reached 9.6, 10.9 and 1
 FRESH = 5
 """Number of steps after which a new plan may replace the current one."""
 
-URGENCY = 8
-"""Additional weight of the costs of urgent robots in the choice of a plan.
+DELAY_WEIGHT = 8
+"""Additional weight of the costs of undelayed robots in the choice of a plan.
 
-No group that is replanned has urgent robots, because it could delay them for others. On 8 crowded
-floors, an urgent robot arrived 89 steps late in all, and 274 before it was favoured in this way.
+No group that is replanned has such robots, because it could delay them for others. On 8 crowded
+floors, a robot arrived 89 steps late in all, and 274 before it was favoured in this way.
 """
 
 MAX_WINDOW = 10_000
@@ -187,9 +187,9 @@ class WindowedPlanner(PlacePlanner):
         self._table = self.fields.table
         self._has_new_goal = goals != self._memory.goals
         self._order = buffer_of(self._memory.order(cells, goals, situation.urgent))
-        self._is_urgent = np.zeros(len(cells), np.intp)
-        self._is_urgent[situation.urgent] = 1
-        self._groups.is_in[:] = buffer_of(self._is_urgent)
+        self._is_undelayed = np.zeros(len(cells), np.intp)
+        self._is_undelayed[situation.undelayed] = 1
+        self._groups.is_in[:] = buffer_of(self._is_undelayed)
         robots = self._robots
         robots.goals[:], robots.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
         robots.stays[:] = buffer_of(situation.stays.astype(np.intp))
@@ -217,9 +217,9 @@ class WindowedPlanner(PlacePlanner):
         write_costs(floor, routes, table)
 
     def _cost(self) -> int:
-        """Write the costs of the plan; return their sum, in which urgent robots count more."""
+        """Write the costs of the plan; return their sum, in which undelayed robots count more."""
         cost = int(write_costs(self.fields.floor, self._routes, self._table))
-        return cost + URGENCY * int(np.array(self._routes.costs) @ self._is_urgent)
+        return cost + DELAY_WEIGHT * int(np.array(self._routes.costs) @ self._is_undelayed)
 
     def _roll(self, first: int, kind: int) -> None:
         """Write the places at all times after ``first``."""

@@ -133,7 +133,7 @@ def delay_of_first_robot(seed: int, robots: int, urgent: list[int]) -> int:
     nobody, none = np.zeros(robots, np.bool_), np.array([], np.intp)
     while cells[0] != goals[0]:
         hurries = np.array(urgent, np.intp)
-        cells = planner.next_cells(Situation(cells, goals, nobody, none, hurries))
+        cells = planner.next_cells(Situation(cells, goals, nobody, none, hurries, hurries))
         steps += 1
     return steps
 
