@@ -554,12 +554,17 @@ def _modules_of(folder: Path) -> Iterator[None]:
     Modules imported from the folder are forgotten afterwards, so that they are read again next
     time, as the agent is. Another folder may also have modules of the same names. The folder
     remains the last one that is searched, because functions may import modules later.
+
+    No compiled files are written: Python would take one for a file of the same size that is written
+    within the same second, as programs may do.
     """
-    before = {*sys.modules}
+    before, writes_none = {*sys.modules}, sys.dont_write_bytecode
     sys.path.insert(0, str(folder))
+    sys.dont_write_bytecode = True
     try:
         yield
     finally:
+        sys.dont_write_bytecode = writes_none
         sys.path[:] = [each for each in sys.path if each != str(folder)] + [str(folder)]
         forget_modules(before, [folder])
 

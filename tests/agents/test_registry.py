@@ -71,6 +71,21 @@ def test_an_agent_gets_the_layout_the_seed_and_the_arguments_that_it_takes(
     assert episode.actions == ["WAIT"] * 3
 
 
+@pytest.mark.parametrize("name", ["agent.py", "helper.py"])
+def test_a_file_that_is_written_again_within_a_second_is_read_again(
+    tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    (tmp_path / "agent.py").write_text("from helper import Mine\n")
+    for seed in (1, 2):
+        (tmp_path / name).write_text(WITH_SEED + f"\nMine.number = {seed}\n")
+        os.utime(tmp_path / name, (1, 1))
+        agent: Any = make_agent(f"{tmp_path / 'agent.py'}:Mine", 7)
+        assert agent.number == seed
+    assert not sys.dont_write_bytecode
+    assert not (tmp_path / "__pycache__").exists()
+
+
 def test_an_agent_may_come_from_a_module(agent_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(agent_file.parent)
     (agent_file.parent / "my_robots").mkdir()
