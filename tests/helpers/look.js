@@ -238,8 +238,10 @@
   /** Return the colour behind the middle of a text, from the shapes before it. */
   function behindOf(text, box, shapes, paper) {
     const at = new DOMPoint((box.left + box.right) / 2, (box.top + box.bottom) / 2);
-    const below = shapes.filter((shape) =>
-      shape.compareDocumentPosition(text) & Node.DOCUMENT_POSITION_FOLLOWING && contains(shape, at));
+    const before = shapes.filter((shape) =>
+      shape.compareDocumentPosition(text) & Node.DOCUMENT_POSITION_FOLLOWING);
+    const below = before.flatMap((shape) =>
+      fillsOf(shape).filter(([outline]) => contains(shape, outline, at)).map(([, painted]) => painted));
     return below.reduce((color, shape) => {
       const { fill } = getComputedStyle(shape);
       const isFilled = fill !== "none" && !fill.startsWith("url");
@@ -247,13 +249,18 @@
     }, paper);
   }
 
-  function contains(shape, at) {
+  /** Return the outlines of a shape and the elements that have their colours; a copied group has several. */
+  function fillsOf(shape) {
+    if (!shape.matches("use")) return [[shape, shape]];
+    const used = shape.getRootNode().querySelector(shape.href.baseVal);
+    return used.matches("g") ? [...used.children].map((part) => [part, part]) : [[used, shape]];
+  }
+
+  function contains(shape, outline, at) {
     if (!isSeen(shape)) return false;
-    const isCopy = shape.matches("use");
-    const used = isCopy ? shape.getRootNode().querySelector(shape.getAttribute("xlink:href")) : shape;
-    const moved = isCopy ? [shape.x.baseVal.value, shape.y.baseVal.value] : [0, 0];
+    const moved = shape.matches("use") ? [shape.x.baseVal.value, shape.y.baseVal.value] : [0, 0];
     const transform = shape.getScreenCTM().translate(...moved);
-    return used.isPointInFill(at.matrixTransform(transform.inverse())) && !isClipped(shape, at);
+    return outline.isPointInFill(at.matrixTransform(transform.inverse())) && !isClipped(shape, at);
   }
 
   function isClipped(shape, at) {
