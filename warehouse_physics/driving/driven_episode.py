@@ -32,7 +32,8 @@ CHUNK = 0.5
 
 PATIENCE = 100.0
 """Seconds for each cell of a leg after which a robot counts as stuck. It also counts as stuck if it
-has stood still for as long, since no move takes longer than ``MAX_MOVE_SECONDS``."""
+has stood still for as long without a ``Stop``, since no move takes more than ``MAX_MOVE_SECONDS``.
+"""
 
 STAY = (0, 0)
 
@@ -105,10 +106,10 @@ def _drive_through(motion: Any, cells: Sequence[Cell], trailing: int) -> Traject
         except ValueError as error:
             raise BackendError(f"the recorded body slid over a cell: {error}") from error
     done: list[Outcome] = []
-    moved = 0
+    stops = [stop.seconds for stop in motion.disturbances.stops if math.isfinite(stop.seconds)]
+    moved, longest_stand = 0, PATIENCE + sum(stops)
     while not motion.routes().at_rest[0]:
-        limit = min(PATIENCE * len(cells), moved * CHUNK + PATIENCE)
-        if len(done) * CHUNK > limit:
+        if len(done) * CHUNK > min(PATIENCE * len(cells), moved * CHUNK + longest_stand):
             x, y = done[-1].path[-1, 1:3]
             raise BackendError(
                 f"the robot has not arrived in {cells[-1]} after {len(done) * CHUNK:.0f} s; it is "

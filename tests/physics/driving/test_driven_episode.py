@@ -172,6 +172,16 @@ def test_a_body_that_slid_on_or_never_arrives_is_refused() -> None:
         stuck.drive_episode(short)
 
 
+def test_a_body_that_stops_for_longer_than_it_may_stand_is_driven_on() -> None:
+    motion = DrivingMotion(disturbances=Disturbances(stops=[Stop(0, 1.0, 130.0)]))
+    walk = record_episode(
+        WarehouseEnv(Layout(["....."]), (0, 0), max_steps=4), Walk(*"EEEE"), randomize=False
+    )
+    driven = motion.drive_episode(walk)
+    assert driven.cells == walk.cells
+    assert driven.seconds > 130
+
+
 def test_a_body_that_slid_over_a_cell_is_refused() -> None:
     layout = Layout(["....."])
     icy = WarehouseEnv(layout, (0, 0), backend="physics:grip=0.01,slippery=0-1+0-2", max_steps=1)
