@@ -70,7 +70,7 @@ def kernel(function: Kernel) -> Kernel:
     """Return a function on arrays and numbers, compiled if Numba is installed.
 
     Its annotations are the types that it is compiled for: ``int``, ``bool``, ``Vector``,
-    ``Matrix``, the types of ``agents/mapf/kernels/buffers.py``, and named tuples of them.
+    ``Matrix``, ``list[int]`` and ``memoryview`` for arrays of 64 and 32 bits, and named tuples.
     """
     return cast(Kernel, CompiledKernel(function)) if IS_COMPILED else function
 

@@ -113,7 +113,7 @@ class JointSearch:
 
 
 class Course:
-    """A plan on its way: each robot waits until all that pass its next cell before it have passed.
+    """The progress of a plan. A robot waits until all that pass its next cell before have passed.
 
     People are expected to do the same. A person who walks elsewhere is no longer in the plan.
 

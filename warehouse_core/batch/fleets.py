@@ -28,7 +28,7 @@ from warehouse_core.batch.kernels import (
     Fleets,
     Motions,
     Seen,
-    judge_all,
+    judge_robots,
     mask_all,
     observe_all,
     show_all,
@@ -170,7 +170,7 @@ class FleetEngine:
         self._views_in_loops = IS_COMPILED and rows <= MAX_LOOPED_VIEWS
         self._every_row, self._rows_ended, self.running = np.arange(rows), NO_ROWS, rows
         if not settings.has_orders:
-            floor.put_own_stations(np.arange(rows))
+            floor.put_own_stations(self._every_row)
 
     def begin(self, floors: Integers, seeds: Sequence[int | None]) -> None:
         """Start an episode on some floors; see ``Engine.begin``."""
@@ -320,7 +320,7 @@ class FleetEngine:
         count, motions = len(self.ended), self._checked(outcome)
         self.robots.cells = motions.cells
         rewards, events = np.empty(count), np.empty(count, np.uint8)
-        every = judge_all(
+        every = judge_robots(
             self._state(), self._floor.for_kernels, VERDICTS, self.tally.for_kernels, motions,
             actions, counted, rewards, events,
         )  # fmt: skip

@@ -97,7 +97,7 @@ class Kinds(NamedTuple):
 
 
 class Fleets(NamedTuple):
-    """The state of ``FleetEngine``, which ``judge_all`` changes.
+    """The state of ``FleetEngine``, which ``judge_robots`` changes.
 
     Attributes:
         robots: number of robots on each floor.
@@ -197,7 +197,7 @@ def find_stations(ground: Ground, cells: Vector[np.intp]) -> None:
 
 
 @kernel
-def judge_all(
+def judge_robots(
     fleets: Fleets,
     ground: Ground,
     verdicts: Verdicts,

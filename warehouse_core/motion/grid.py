@@ -279,7 +279,7 @@ class GridArrays(NamedTuple):
         before: ``[N]`` cells before the last action.
         starts, headings: ``[N]`` directions at the start and at the end of the last action.
         moving: ``[N]`` flags of robots whose last action was a move.
-        moves: arrays for right of way.
+        moves: arrays of ``stop_all``.
         robots: number of robots on each floor.
     """
 
