@@ -118,6 +118,7 @@ STAR, DIAMOND, NOSE, ARROW, HEAD = (
     np.array(LOOK["shapes"][key]) for key in ("hit", "H", "nose", "push", "arrow")
 )
 CHASSIS, FRONT, LAMP = (np.array(LOOK["shapes"][key]) for key in ("chassis", "front", "brake"))
+DRIVES = {drive: list(map(np.array, parts)) for drive, parts in LOOK["drives"].items()}
 STAR_RADIUS = float(np.abs(STAR).max())
 
 Points = NDArray[np.float64]
@@ -340,8 +341,8 @@ class View:
 
     def _wheels(self, poses: Sequence[Pose], scale: float, rim: float) -> Iterator[Shape]:
         """Yield the wheels or the rings of bodies, and their brake lights."""
-        for corners in LOOK["drives"].get(self._track.drive, ()):
-            yield Shape(placed(np.array(corners) * scale, poses), INK)
+        for corners in DRIVES.get(self._track.drive, ()):
+            yield Shape(placed(corners * scale, poses), INK)
         braking = [pose for pose in poses if pose.push and pose.push.brakes]
         yield Shape(placed(LAMP * scale, braking), BRAKE, PAPER, rim / 2)
 
