@@ -17,8 +17,7 @@ import numpy as np
 
 from agents.lab.datasets.table import columns_of, lines_of
 from agents.lab.experiments.case import is_fleet, make_case, run_task
-from agents.lab.experiments.choices import parse_flags, read_plan_file
-from agents.lab.experiments.plan import spread
+from agents.lab.experiments.plan import parse_flags, read_plan_file, spread
 from agents.lab.experiments.store import Store
 from agents.lab.grading.archives import members_of, unpack
 from agents.lab.grading.grades import load_days, load_grades, save_grades
@@ -353,9 +352,11 @@ def _on_one_line(value: Any) -> Any:
 def _read_results(path: Path) -> None:
     """Read results for a report and an export, and resume them like a sweep."""
     with Store(path, read_only=True) as store:
-        find_examples(store)
         for kind in (LONE, FLEETS):
-            answers(Experiment(store, kind))
+            experiment = Experiment(store, kind)
+            answers(experiment)
+            if kind is LONE and experiment.cases:
+                find_examples(experiment)
         store.episodes()
         for _ in lines_of(store, columns_of(store)):
             pass

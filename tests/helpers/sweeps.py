@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from agents.errors import StoreError
-from agents.lab.experiments.choices import parse_flags
-from agents.lab.experiments.plan import make_plan
+from agents.lab.experiments.plan import make_plan, parse_flags
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import BOTH, TABLE_OF, Store
 from helpers.command_line import ROOT

@@ -114,7 +114,7 @@ def report_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ]
     page = folder / "report.html"
     with Store(fill(folder / "results.sqlite", cases), read_only=True) as store:
-        write_page(page, make_page(store, ()))
+        write_page(page, make_page(store))
     return page
 
 

@@ -16,9 +16,9 @@ from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.watch import slow_steps_reported
 from agents.lab.place import Stations, what_to_draw
+from agents.lab.trials.interval import mean, share
 from agents.lab.trials.scores import EXPLANATION, GRID_MEASURES, MEASURES, Measure, Scores
 from agents.lab.trials.task import Task, load_task
-from agents.lab.trials.wording import mean, share
 from agents.registry import make_agent
 from warehouse_core import Agent, Layout
 from warehouse_core.wording import counted

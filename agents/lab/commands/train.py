@@ -28,10 +28,10 @@ from agents.lab.parameters import size as check_size
 from agents.lab.training.checkpoint import load_checkpoint, save_checkpoint
 from agents.lab.training.driving import train_drive
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, save_points
+from agents.lab.trials.interval import mean, share
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.lab.trials.task import FleetTask, Task
-from agents.lab.trials.wording import mean, share
 from agents.lab.trials.workers import CheckInterrupt, deferred_interrupts
 from agents.learning.learner import Learner, MakeAgent
 from agents.learning.q_table import save_table

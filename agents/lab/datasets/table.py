@@ -35,11 +35,7 @@ def columns_of(store: Store) -> list[str]:
     """Return the names of the table's columns: settings, results and program.
 
     A cell is empty if the column does not apply to the case of its line.
-
-    Raises:
-        StoreError: no sweep can have written the rows.
     """
-    store.check_rows()
     cases = store.cases().values()
     settings = (name for case in cases for name in case)
     kinds = dict.fromkeys(map(row_type, cases)) or [Row]

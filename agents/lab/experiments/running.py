@@ -24,8 +24,6 @@ from agents.lab.experiments.plan import SweepPlan
 from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import AnyRow
 
-__all__ = ["run_missing"]
-
 TASK_SECONDS, MAX_TASK_EPISODES = 0.5, 10_000
 
 SEEDS_AT_ONCE = 100_000
@@ -122,17 +120,6 @@ def run_missing(
 
     An error of the store, the executor or ``report`` ends the run. Rows that have been written
     remain in the store.
-
-    Example:
-        >>> from concurrent.futures import ThreadPoolExecutor
-        >>> from agents.lab.experiments.plan import make_plan
-        >>> from agents.lab.experiments.running import run_missing
-        >>> from agents.lab.experiments.store import Store
-        >>> plan = make_plan({"memory": [5, 10]}, episodes=3, seed=7)
-        >>> with Store("results.sqlite") as store, ThreadPoolExecutor(1) as executor:
-        ...     failures = run_missing(plan, store, executor, 1, lambda rows, messages: None)
-        ...     store.count(plan.cases[0], plan.seeds)
-        3
     """
     queue, running = TaskQueue(plan, store), dict[Future[Done], WorkerTask]()
     while True:

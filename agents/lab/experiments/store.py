@@ -16,7 +16,7 @@ from contextlib import closing, contextmanager
 from functools import cache
 from pathlib import Path
 from time import monotonic, sleep
-from typing import Any, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 from agents.errors import StoreError
 from agents.lab.experiments.case import (
@@ -30,8 +30,6 @@ from agents.lab.experiments.case import (
 )
 from agents.lab.trials.rows import MODES_OF, AnyRow, FleetRow, Row
 from warehouse_core.files.reading import not_a_file
-
-__all__ = ["Store"]
 
 TIMEOUT = 30.0
 """Seconds to wait while another program writes to the same file."""
@@ -53,22 +51,17 @@ BOTH = " UNION ALL ".join(
 MAX_REAL = 1e30
 """Maximum absolute value of a real number in a row."""
 
-TOO_LARGE = f"ifnull(abs({{0}}), 0) > {MAX_REAL}"
-
 COLUMN = {
-    int: ("INTEGER NOT NULL", "typeof({0}) != 'integer'"),
-    int | None: ("INTEGER", "typeof({0}) NOT IN ('integer', 'null')"),
-    float: ("REAL NOT NULL", f"typeof({{0}}) != 'real' OR {TOO_LARGE}"),
-    float | None: ("REAL", f"typeof({{0}}) NOT IN ('real', 'null') OR {TOO_LARGE}"),
-    str: ("TEXT NOT NULL", "FALSE"),
-}
-"""SQLite column for each field type, and the condition under which its value is damaged."""
+    int: "INTEGER NOT NULL", int | None: "INTEGER", float: "REAL NOT NULL", float | None: "REAL",
+    str: "TEXT NOT NULL",
+}  # fmt: skip
+"""SQLite column for each type of a field."""
 
 
 def _create(kind: type[AnyRow], program: str) -> str:
     """Return the statement that creates a table; ``program`` constrains its last column."""
     types = get_type_hints(kind)
-    columns = ", ".join(f"{name} {COLUMN[types[name]][0]}" for name in kind._fields)
+    columns = ", ".join(f"{name} {COLUMN[types[name]]}" for name in kind._fields)
     return (
         f"CREATE TABLE {TABLE_OF[kind]} ( case_id INTEGER NOT NULL REFERENCES cases, {columns}, "
         f"program_id INTEGER NOT NULL {program}, PRIMARY KEY (case_id, seed) ) WITHOUT ROWID"
@@ -106,19 +99,22 @@ PROGRAM = "CAST(substr(name, 1, 1000) AS TEXT)"
 BELOW_ZERO = {"battery_left"}
 """Integer fields of a row that may be negative."""
 
-
-def _damaged(kind: type[AnyRow]) -> str:
-    """Return the query that finds a row that no sweep can have written."""
-    types = get_type_hints(kind)
-    wrong = [f"mode NOT IN {MODES_OF[kind]}", "case_id NOT IN (SELECT id FROM cases)"]
-    for name in kind._fields:
-        wrong.append(COLUMN[types[name]][1].format(name))
-        if types[name] is int and name not in BELOW_ZERO:
-            wrong.append(f"{name} < 0")
-    return f"SELECT case_id, seed FROM {TABLE_OF[kind]} WHERE {' OR '.join(wrong)} LIMIT 1"
+FIELDS = {
+    kind: [get_args(each) or (each,) for each in get_type_hints(kind).values()] for kind in TABLE_OF
+}
+"""Types that each field of a row may have."""
 
 
-DAMAGED = {kind: _damaged(kind) for kind in TABLE_OF}
+def is_whole(row: AnyRow) -> bool:
+    """Return whether a sweep can have written a row; reports rely on it."""
+    if row.mode not in MODES_OF[type(row)]:
+        return False
+    for name, value, types in zip(row._fields, row, FIELDS[type(row)], strict=True):
+        if type(value) not in types or (type(value) is float and abs(value) > MAX_REAL):
+            return False
+        if type(value) is int and value < 0 and name not in BELOW_ZERO:
+            return False
+    return True
 
 
 class Store:
@@ -130,19 +126,10 @@ class Store:
     Args:
         path: Path of the file.
         read_only: Do not create or change the file. It needs no write permission then.
-
-    Example:
-        >>> from agents.lab.experiments.plan import make_plan
-        >>> from agents.lab.experiments.store import Store
-        >>> plan = make_plan({"memory": [5, 10]}, episodes=3, seed=7)
-        >>> with Store("results.sqlite") as store:
-        ...     store.add_cases(plan.cases)
-        ...     len(store.cases()), store.episodes()
-        (2, [])
     """
 
     def __init__(self, path: str | Path, *, read_only: bool = False) -> None:
-        self.path, self._read_only, self._is_checked = Path(path), read_only, False
+        self.path, self._read_only = Path(path), read_only
         if (kind := not_a_file(self.path)) is not None:  # SQLite would try, and leave a journal
             raise StoreError(f"{path}: {kind}")
         if read_only and not self.path.exists():
@@ -220,8 +207,11 @@ class Store:
 
     def _add_writer(self, case_id: int, program: str) -> int:
         """Register a program as the writer of a case's episodes, and return its number."""
-        others = [name for name in self.programs(case_id) if name != program]
-        if others:
+        writers = self.query(
+            f"SELECT {PROGRAM} FROM writers JOIN programs ON id = program_id "
+            f"WHERE case_id = ? ORDER BY id LIMIT {MAX_NAMED}", case_id,
+        )  # fmt: skip
+        if others := [name for (name,) in writers if name != program]:
             [(text,)] = self.query("SELECT settings FROM cases WHERE id = ?", case_id)
             settings = in_words(self._case(case_id, text))
             raise StoreError(
@@ -232,14 +222,6 @@ class Store:
         [(number,)] = self.query("SELECT id FROM programs WHERE name = ?", program)
         self._connection.execute("INSERT OR IGNORE INTO writers VALUES (?, ?)", (case_id, number))
         return int(number)
-
-    def programs(self, case_id: int) -> list[str]:
-        """Return the names of the programs that have written episodes of a case, oldest first."""
-        statement = (
-            f"SELECT {PROGRAM} FROM writers JOIN programs ON id = program_id "
-            f"WHERE case_id = ? ORDER BY id LIMIT {MAX_NAMED}"
-        )
-        return [name for (name,) in self.query(statement, case_id)]
 
     def episodes(self) -> list[tuple[str, int]]:
         """Return each program and its number of episodes, in descending order of this number."""
@@ -265,33 +247,23 @@ class Store:
         return cases
 
     def rows(self, case_id: int, kind: type[AnyRow] = Row) -> Iterator[tuple[AnyRow, str]]:
-        """Yield the row and the program of each episode of a case, in the order of the seeds."""
+        """Yield the row and the program of each episode of a case, in the order of the seeds.
+
+        Raises:
+            StoreError: no sweep can have written one of the rows.
+        """
         statement = (
             f"SELECT {', '.join(kind._fields)}, "
             f"(SELECT {PROGRAM} FROM programs WHERE id = program_id) "
             f"FROM {TABLE_OF[kind]} WHERE case_id = ? ORDER BY seed"
         )
         for *values, program in self.query(statement, case_id):
-            yield kind._make(values), program or UNKNOWN
-
-    def check_rows(self) -> None:
-        """Raise ``StoreError`` if no sweep can have written the rows; reports rely on it."""
-        if self._is_checked:
-            return
-        for statement in DAMAGED.values():
-            for case_id, seed in self.query(statement):
+            row = kind._make(values)
+            if not is_whole(row):
                 raise StoreError(
-                    f"{self.path}: the row of case {case_id!r}, seed {seed!r} is damaged"
+                    f"{self.path}: the row of case {case_id}, seed {row.seed!r} is damaged"
                 )
-        kinds = {number: row_type(case) for number, case in self.cases().items()}
-        for kind, table in TABLE_OF.items():
-            for (case_id,) in self.query(f"SELECT DISTINCT case_id FROM {table}"):
-                if kinds[case_id] is not kind:
-                    raise StoreError(
-                        f"{self.path}: case {case_id} has rows in {table!r}, which is for another "
-                        "kind of case"
-                    )
-        self._is_checked = self._read_only  # a read-only view of the file does not change
+            yield row, program or UNKNOWN
 
     def query(self, statement: str, *values: Any) -> Iterator[tuple[Any, ...]]:
         """Yield the rows that a statement selects."""

@@ -19,8 +19,14 @@ from agents.errors import EpisodeError, ParameterError
 from agents.lab.console import options
 from agents.lab.console.options import option
 from agents.lab.console.terminal import print_error, say
-from agents.lab.experiments.choices import PlanFile, parse_flags, read_plan_file
-from agents.lab.experiments.plan import MAX_EPISODES, SweepPlan, make_plan
+from agents.lab.experiments.plan import (
+    MAX_EPISODES,
+    PlanFile,
+    SweepPlan,
+    make_plan,
+    parse_flags,
+    read_plan_file,
+)
 from agents.lab.experiments.running import ReportRows, run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import MAX_SEED, PARAMETERS, PHYSICAL, Whole

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from agents.lab.grading.cases import CALL, EPISODE, GradedCase, Run
 from agents.lab.grading.sandbox import SLOW
-from agents.lab.trials.wording import percent
+from agents.lab.trials.interval import percent
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 

@@ -16,7 +16,7 @@ from agents.errors import GradeError
 from agents.lab.grading.grading import Grade, GradeReport
 from agents.lab.grading.rubric import MAX_DAYS, TAKEN, Rubric
 from agents.lab.grading.students import CANVAS, MOODLE
-from agents.lab.trials.wording import percent
+from agents.lab.trials.interval import percent
 from warehouse_core.files.tables import number_in, read_table, whole_in, write_table
 from warehouse_core.wording import printable
 

@@ -13,7 +13,7 @@ from agents.lab.grading.criteria import VISIBLE, Criterion, Runs, outcomes
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.sandbox import SameProcess, Sandbox
 from agents.lab.grading.submissions import Submission
-from agents.lab.trials.wording import percent
+from agents.lab.trials.interval import percent
 from warehouse_core.wording import counted, printable
 
 __all__ = ["Grade", "GradeReport", "grade"]

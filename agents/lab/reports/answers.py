@@ -17,8 +17,7 @@ from typing import NamedTuple
 from agents.lab.parameters import PARAMETERS, shown
 from agents.lab.reports.design import CaseSeries, Factor, described
 from agents.lab.reports.results import LONE, Experiment, Results
-from agents.lab.trials.interval import Interval, difference_interval
-from agents.lab.trials.wording import percent, sentence
+from agents.lab.trials.interval import Interval, difference_interval, percent
 from warehouse_core.wording import counted, listed
 
 APART = "no two of the combinations differ in one setting alone, so they cannot be compared"
@@ -150,7 +149,7 @@ def answers(experiment: Experiment) -> tuple[Answer, ...]:
 
 
 def _answer(question: str, lines: Iterable[str]) -> Answer:
-    verdict, *sentences = map(sentence, lines)
+    verdict, *sentences = [f"{line[0].upper()}{line[1:]}." for line in lines]
     return Answer(question, verdict, tuple(sentences))
 
 

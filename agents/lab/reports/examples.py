@@ -6,34 +6,13 @@ from typing import NamedTuple
 
 from agents.errors import AgentError, EpisodeError, reason_of
 from agents.lab.experiments.case import Case, cause_of, cells_of, check_fingerprint, run_one
-from agents.lab.experiments.store import Store
 from agents.lab.reports.figures import MAX_CELLS
+from agents.lab.reports.results import Experiment
 from agents.registry import agent_file, is_own_code
 from warehouse_core import BackendError, LayoutError
-from warehouse_core.records.failure_modes import MODES, diagnose
+from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
-
-SHORTEST = """
-WITH best AS (SELECT mode, count(*) AS episodes, min(steps) AS steps FROM episodes GROUP BY mode),
-first AS (
-    SELECT *, (
-        SELECT case_id FROM episodes
-        WHERE episodes.mode = best.mode AND episodes.steps = best.steps
-        ORDER BY case_id LIMIT 1
-    ) AS case_id FROM best
-)
-SELECT mode, case_id, steps, episodes, (
-    SELECT seed FROM episodes
-    WHERE episodes.case_id = first.case_id
-        AND episodes.mode = first.mode AND episodes.steps = first.steps
-    ORDER BY seed LIMIT 1
-) FROM first
-"""
-"""Query for the first of the shortest episodes with each outcome.
-
-Both inner queries follow the order of the table and end with the first row that they find.
-"""
 
 MAX_STEPS, MAX_PHYSICS_STEPS = 10_000, 1_000
 """Maximum length of an episode that is run again, on the grid and with physics."""
@@ -60,18 +39,22 @@ class Example(NamedTuple):
     track: Track | None = None
 
 
-def find_examples(store: Store) -> list[Example]:
+def find_examples(experiment: Experiment) -> list[Example]:
     """Return the shortest episode with each outcome that occurs, in the order of ``MODES``.
 
     Among episodes of equal length, the first case and then the smallest seed is chosen.
     """
-    store.check_rows()
-    cases = store.cases()
-    found = {
-        mode: Example(mode, cases[case_id], seed, steps, episodes)
-        for mode, case_id, steps, episodes, seed in store.query(SHORTEST)
-    }
-    return [found[mode] for mode in MODES if mode in found]
+    counts = experiment.results(*experiment.cases).modes
+    shortest: dict[str, tuple[int, int, int]] = {}
+    for number, each in experiment.episodes.items():
+        for mode, (steps, seed) in each.shortest.items():
+            if mode not in shortest or steps < shortest[mode][0]:
+                shortest[mode] = steps, number, seed
+    return [
+        Example(mode, experiment.cases[number], seed, steps, episodes)
+        for mode, episodes in counts.items()
+        for steps, number, seed in [shortest[mode]]
+    ]
 
 
 def replay(found: Example, *, run_own_code: bool) -> Example:

@@ -8,8 +8,8 @@ cells.
 
 from __future__ import annotations
 
-import json
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
@@ -27,11 +27,11 @@ from matplotlib.ticker import PercentFormatter
 
 from agents.errors import StoreError
 from agents.lab.experiments.case import TILES, cells_of
-from agents.lab.experiments.store import Store
 from agents.lab.parameters import Value, shown
 from agents.lab.reports.design import Design, Factor, make_design
 from agents.lab.reports.results import LONE, Experiment, ReportedMeasure, Results
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, Interval
+from agents.lab.trials.rows import MODES_OF
 from warehouse_core.records import failure_modes as modes
 from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
 from warehouse_core.render.palette import INK, PALETTE, PAPER, SERIES
@@ -116,7 +116,7 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
             layouts.setdefault((tuple(case[TILES]), case["stations"]), []).append(case_id)
     most_first = sorted(layouts.items(), key=lambda each: -experiment.results(*each[1]).episodes)
     for number, ((rows, stations), ids) in enumerate(most_first[:MAX_MAPS], start=1):
-        stuck = stuck_cells(experiment.store, rows, ids)
+        stuck = stuck_cells(experiment, rows, ids)
         if not stuck:
             continue
         episodes, name = experiment.results(*ids).episodes, experiment.cases[ids[0]]["layout"]
@@ -384,38 +384,23 @@ def _draw_line(
     return key
 
 
-MODE_COLORS = {
-    mode: PALETTE["both"][name]
-    for mode, name in (
-        (DELIVERED, "delivered"),
-        (modes.UNREACHABLE, "unreachable"),
-        (modes.STALLED, "stalled"),
-        (modes.INEFFECTIVE, "ineffective"),
-        (modes.OSCILLATION, "oscillation"),
-        (modes.WANDERING, "wandering"),
-        (BATTERY_DEPLETED, "out-of-battery"),
-        (OUT_OF_TIME, "out-of-time"),
-        (UNFINISHED, "unfinished"),
-        (modes.SERVED, "delivered"),
-        *(
-            (mode, "out-of-battery")
-            for mode in (
-                modes.NO_CHARGER,
-                modes.OVERSUBSCRIBED,
-                modes.FLAT_IN_THE_WAY,
-                modes.STRANDED,
-            )
-        ),
-        (modes.DEADLOCK, "oscillation"),
-        (modes.PEOPLE, "ineffective"),
-        (modes.TOO_MANY_ORDERS, "stalled"),
-        (modes.OVERTAKEN, "stalled"),
-        (modes.CONGESTED, "wandering"),
-        (modes.IDLE, "unfinished"),
-        (modes.LATE, "out-of-time"),
-    )
-}
-"""Colour of each outcome. Outcomes of lone robots and of fleets are never in the same chart."""
+COLORS = {
+    "delivered": (DELIVERED, modes.SERVED),
+    "unreachable": (modes.UNREACHABLE,),
+    "stalled": (modes.STALLED, modes.TOO_MANY_ORDERS, modes.OVERTAKEN),
+    "ineffective": (modes.INEFFECTIVE, modes.PEOPLE),
+    "oscillation": (modes.OSCILLATION, modes.DEADLOCK),
+    "wandering": (modes.WANDERING, modes.CONGESTED),
+    "out-of-battery": (
+        BATTERY_DEPLETED, modes.NO_CHARGER, modes.OVERSUBSCRIBED, modes.FLAT_IN_THE_WAY,
+        modes.STRANDED,
+    ),
+    "out-of-time": (OUT_OF_TIME, modes.LATE),
+    "unfinished": (UNFINISHED, modes.IDLE),
+}  # fmt: skip
+"""Outcomes by their colours. Outcomes of lone robots and of fleets are never in the same chart."""
+
+MODE_COLORS = {mode: PALETTE["both"][name] for name, group in COLORS.items() for mode in group}
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 """Weights of linear R, G and B. Source: WCAG 2.2, relative luminance."""
@@ -436,7 +421,8 @@ def modes_figure(chart: DesignPoints, title: str) -> SceneFigure:
     values = [value for value in (*(axis.values if axis else ()), None) if value in found]
     names = AxisNames([everywhere if value is None else shown(value) for value in values])
     occurring = {mode for results in chart.points for mode in results.modes}
-    keys = {mode: Patch(color=MODE_COLORS[mode]) for mode in MODE_COLORS if mode in occurring}
+    in_order = [mode for mode in MODES_OF[chart.experiment.kind.row] if mode in occurring]
+    keys = {mode: Patch(color=MODE_COLORS[mode]) for mode in in_order}
     figure, axes = make_panels(title, len(chart.lines), list(keys), names)
     for ((value, shade), line), each in zip(chart.lines.items(), axes, strict=True):
         for along, results in line.items():
@@ -470,15 +456,8 @@ def ink_on(color: str) -> str:
     return "black" if light > MAX_DARK else "whitesmoke"
 
 
-STUCK = f"""
-SELECT mode, row, col, count(*) FROM episodes
-WHERE case_id IN (SELECT value FROM json_each(?)) AND mode != '{DELIVERED}'
-GROUP BY mode, row, col
-"""
-
-
 def stuck_cells(
-    store: Store, rows: Sequence[str], case_ids: Sequence[int]
+    experiment: Experiment, rows: Sequence[str], case_ids: Sequence[int]
 ) -> dict[str, CellCounts]:
     """Count the episodes that got stuck or ended in each cell, ``[H, W]``, for each failure mode.
 
@@ -487,13 +466,19 @@ def stuck_cells(
     Raises:
         StoreError: an episode got stuck outside the layout.
     """
+    ends = sum((experiment.episodes[each].ends for each in case_ids), Counter())
     stuck: dict[str, CellCounts] = {}
-    for mode, row, col, count in store.query(STUCK, json.dumps(list(case_ids))):
-        counts = stuck.setdefault(mode, np.zeros((len(rows), len(rows[0])), dtype=np.int64))
-        if not (0 <= row < len(rows) and 0 <= col < len(rows[0])):
-            raise StoreError(f"{store.path}: row {row}, column {col} is off the layout")
-        counts[row, col] = count
-    return {mode: stuck[mode] for mode in modes.MODES if mode in stuck}
+    for mode in modes.MODES:
+        for (ending, row, col), count in ends.items():
+            if ending != mode or mode == DELIVERED:
+                continue
+            if not (row < len(rows) and col < len(rows[0])):
+                raise StoreError(
+                    f"{experiment.store.path}: row {row}, column {col} is off the layout"
+                )
+            counts = stuck.setdefault(mode, np.zeros((len(rows), len(rows[0])), dtype=np.int64))
+            counts[row, col] = count
+    return stuck
 
 
 def stuck_heat_map(

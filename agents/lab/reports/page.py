@@ -25,7 +25,7 @@ from agents.lab.experiments.store import Store
 from agents.lab.parameters import shown
 from agents.lab.reports.answers import Answer, answers
 from agents.lab.reports.design import Design
-from agents.lab.reports.examples import Example
+from agents.lab.reports.examples import Example, find_examples, replay
 from agents.lab.reports.figures import Picture, pictures
 from agents.lab.reports.results import FLEETS, LONE, Experiment, ReportedMeasure, Results
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES
@@ -79,8 +79,13 @@ class Page:
     made_with: tuple[tuple[str, str], ...]
 
 
-def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
+def make_page(store: Store, replays: bool | None = False) -> Page:
     """Return the report on a file of results.
+
+    Args:
+        store: file of results.
+        replays: True if an episode with each outcome is to be run again and replayed; ``None``
+            leaves out episodes of users' agents.
 
     Raises:
         StoreError: the file has no episodes.
@@ -88,6 +93,7 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
     parts = [each for kind in (LONE, FLEETS) if (each := Experiment(store, kind)).cases]
     if not parts:
         raise StoreError(f"{store.path}: the file has no episodes")
+    wanted = [] if replays is False or parts[0].kind is not LONE else find_examples(parts[0])
     return Page(
         title=f"Report on {store.path.name}",
         summary="; ".join(map(_summary, parts)),
@@ -96,7 +102,7 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
         pictures=tuple(picture for part in parts for picture in pictures(part)),
         settings=tuple(setting for part in parts for setting in _settings(part.design)),
         tables=tuple(map(_table, parts)),
-        examples=examples,
+        examples=tuple(replay(each, run_own_code=bool(replays)) for each in wanted),
         made_with=(
             ("Python", platform.python_version()),
             *((name, version(name)) for name in MADE_WITH),

@@ -46,7 +46,6 @@ def report(
     Example: warehouse report results.sqlite --figures figures
     """
     # Here, because importing SciPy and matplotlib takes longer than most commands.
-    from agents.lab.reports.examples import find_examples, replay
     from agents.lab.reports.page import make_page, write_page
 
     target = output or results.with_suffix(PAGE_SUFFIX)
@@ -55,10 +54,7 @@ def report(
     if target.resolve() == results.resolve():
         raise StoreError(f"{target}: this is the file of results; save the page under another name")
     with Store(results, read_only=True) as store:
-        wanted = [] if replays is False else find_examples(store)
-        page = make_page(
-            store, tuple(replay(found, run_own_code=bool(replays)) for found in wanted)
-        )
+        page = make_page(store, replays)
     # Files first, because the reader of standard output may leave, as ``head`` does.
     write_page(target, page)
     saved = [f"saved {target}"]

@@ -5,23 +5,28 @@ Two cases are compared seed by seed, because equal seeds are equal tasks.
 
 from __future__ import annotations
 
+import math
+from array import array
 from collections import Counter
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from agents.lab.experiments.case import Case, row_type
-from agents.lab.experiments.store import TABLE_OF, Store
+from agents.lab.experiments.store import Store
 from agents.lab.reports.design import Design, make_design
 from agents.lab.trials.interval import (
     Interval,
+    mean,
     mean_interval,
     paired_share_interval,
+    percent,
+    share,
     share_interval,
 )
 from agents.lab.trials.rows import MODES_OF, AnyRow, FleetRow, Row
-from agents.lab.trials.wording import mean, percent, share
 from warehouse_core.records.episode import DELIVERED
 
 CaseIds = tuple[int, ...]
@@ -35,8 +40,7 @@ class ReportedMeasure(NamedTuple):
         title: Title of its chart, and its name in verdicts.
         says: Beginning of a sentence that ends with values, such as ``"a delivery takes"``.
         unit: Unit, or ``"%"`` for a share.
-        value: SQL expression for its value in an episode, which is ``NULL`` if it has none.
-        of: SQL condition that selects the episodes that have a value.
+        value: Function that returns its value in an episode, or ``None`` if it has none.
         what: Definition of the measure, for the caption.
         is_physical: True if only backends that simulate time and energy measure it.
     """
@@ -45,8 +49,7 @@ class ReportedMeasure(NamedTuple):
     title: str
     says: str
     unit: str
-    value: str
-    of: str = "TRUE"
+    value: Callable[[Any], float | None]
     what: str = "mean of all episodes"
     is_physical: bool = False
 
@@ -69,36 +72,54 @@ class ReportedMeasure(NamedTuple):
 
 
 def _of_deliveries(
-    name: str, title: str, says: str, unit: str, *, is_physical: bool
+    name: str, title: str, says: str, unit: str, *, is_physical: bool = True
 ) -> ReportedMeasure:
-    of, what = f"mode = '{DELIVERED}'", "mean over all deliveries, hard or easy"
-    return ReportedMeasure(name, title, says, unit, name, of, what, is_physical)
+    def value(row: Row) -> float | None:
+        return getattr(row, name) if row.mode == DELIVERED else None
+
+    what = "mean over all deliveries, hard or easy"
+    return ReportedMeasure(name, title, says, unit, value, what, is_physical)
+
+
+def _blocked(row: FleetRow) -> float | None:
+    stopped = row.blocked_by_wall + row.blocked_by_robot + row.blocked_by_person
+    moves = row.distance + stopped
+    return row.blocked_by_robot / moves if moves else None
+
+
+def _kilojoules(row: FleetRow) -> float | None:
+    joules = row.joules_per_delivery
+    return None if joules is None else joules / 1000
 
 
 SUCCESS = ReportedMeasure(
-    "success", "Success", "success is", "%", f"mode = '{DELIVERED}'", what="share of all episodes"
-)
+    "success", "Success", "success is", "%", lambda row: row.mode == DELIVERED,
+    what="share of all episodes",
+)  # fmt: skip
 STEPS = _of_deliveries(
     "steps", "Steps of a delivery", "a delivery takes", "steps", is_physical=False
 )
-SECONDS = _of_deliveries("seconds", "Time of a delivery", "a delivery takes", "s", is_physical=True)
-JOULES = _of_deliveries("joules", "Energy of a delivery", "a delivery uses", "J", is_physical=True)
+SECONDS = _of_deliveries("seconds", "Time of a delivery", "a delivery takes", "s")
+JOULES = _of_deliveries("joules", "Energy of a delivery", "a delivery uses", "J")
 
-STOPPED = "blocked_by_wall + blocked_by_robot + blocked_by_person"
 PER_HOUR = ReportedMeasure(
-    "per_hour", "Rate of deliveries", "the rate of deliveries is", "per hour", "ifnull(per_hour, 0)"
+    "per_hour", "Rate of deliveries", "the rate of deliveries is", "per hour",
+    lambda row: row.per_hour or 0.0,
+)  # fmt: skip
+ON_TIME = ReportedMeasure(
+    "on_time", "Share on time", "the share on time is", "%", lambda row: row.on_time
 )
-ON_TIME = ReportedMeasure("on_time", "Share on time", "the share on time is", "%", "on_time")
 LATENESS = ReportedMeasure(
-    "lateness", "Lateness of a delivery", "the lateness of a delivery is", "steps", "mean_lateness"
-)
+    "lateness", "Lateness of a delivery", "the lateness of a delivery is", "steps",
+    lambda row: row.mean_lateness,
+)  # fmt: skip
 ENERGY = ReportedMeasure(
-    "energy", "Energy of a delivery", "a delivery uses", "kJ", "joules_per_delivery / 1000",
+    "energy", "Energy of a delivery", "a delivery uses", "kJ", _kilojoules,
     what="energy of all robots, mean of all episodes",
 )  # fmt: skip
 BLOCKED = ReportedMeasure(
     "blocked", "Share of moves that robots blocked", "the share of moves that robots blocked is",
-    "%", f"blocked_by_robot * 1.0 / nullif(distance + {STOPPED}, 0)",
+    "%", _blocked,
 )  # fmt: skip
 
 
@@ -127,8 +148,38 @@ FLEETS = ReportKind(
 )  # fmt: skip
 
 
+class CaseEpisodes:
+    """What reports need of the episodes of a case, which may be millions.
+
+    Attributes:
+        seeds: Seeds in ascending order, ``[n]``.
+        values: Values of each measure, ``[n]``, which are NaN where an episode has none.
+        modes: Number of episodes with each outcome.
+        ends: Number of episodes of a lone robot with each outcome, row and column of the end.
+        shortest: Steps and seed of the first of the shortest episodes with each outcome.
+    """
+
+    def __init__(self, kind: ReportKind, rows: Iterable[AnyRow]) -> None:
+        self.modes, self.ends = Counter[str](), Counter[tuple[str, int, int]]()
+        self.shortest: dict[str, tuple[int, int]] = {}
+        seeds, columns = array("q"), {measure: array("d") for measure in kind.measures}
+        for row in rows:
+            seeds.append(row.seed)
+            for measure, column in columns.items():
+                value = measure.value(row)
+                column.append(math.nan if value is None else value)
+            self.modes[row.mode] += 1
+            self.shortest[row.mode] = min(
+                self.shortest.get(row.mode, (row.steps, row.seed)), (row.steps, row.seed)
+            )
+            if isinstance(row, Row):
+                self.ends[row.mode, row.row, row.col] += 1
+        self.seeds = np.array(seeds)
+        self.values = {measure: np.array(column) for measure, column in columns.items()}
+
+
 class Results:
-    """The results of some cases, which are read from the file when they are needed.
+    """The pooled results of some cases.
 
     Attributes:
         episodes: Number of episodes.
@@ -138,14 +189,13 @@ class Results:
     """
 
     def __init__(self, experiment: Experiment, case_ids: CaseIds) -> None:
-        self.store, self.kind, self.case_ids = experiment.store, experiment.kind, case_ids
-        modes, ends = Counter[str](), set[int]()
-        for case_id in case_ids:
-            for mode, episodes, *seeds in experiment.tallies[case_id]:
-                modes[mode] += episodes
-                ends.update(seeds)
-        self.episodes, self.seeds = modes.total(), (min(ends), max(ends))
+        self.kind, self.case_ids = experiment.kind, case_ids
+        self._episodes = [experiment.episodes[each] for each in case_ids]
+        modes = sum((each.modes for each in self._episodes), Counter[str]())
+        self.episodes = modes.total()
         self.modes = {mode: modes[mode] for mode in MODES_OF[self.kind.row] if mode in modes}
+        ends = [int(each.seeds[end]) for each in self._episodes for end in (0, -1)]
+        self.seeds = min(ends), max(ends)
         self.is_measured = all(experiment.cases[each]["backend"] != "grid" for each in case_ids)
         self._intervals: dict[ReportedMeasure, Interval | None] = {}
 
@@ -156,11 +206,11 @@ class Results:
     def interval(self, measure: ReportedMeasure) -> Interval | None:
         """Return the mean or the share of a measure, or ``None`` if no episode has a value."""
         if measure not in self._intervals:
-            values = self._values(measure)
+            values = np.concatenate([each.values[measure] for each in self._episodes])
             self._intervals[measure] = (
                 share_interval(int(values.sum()), len(values))
                 if measure is SUCCESS
-                else mean_interval(values)
+                else mean_interval(values[~np.isnan(values)])
             )
         return self._intervals[measure]
 
@@ -171,34 +221,30 @@ class Results:
         assert interval is not None, "every case with episodes has it"
         return interval
 
-    def _values(self, measure: ReportedMeasure) -> np.ndarray:
-        """Return the values ``[n]`` of a measure in the episodes that have a value."""
-        statement = f"SELECT value FROM ({_values_of(measure, self.kind)})"
-        return np.concatenate([_numbers(self.store, statement, each) for each in self.case_ids])
-
 
 class Experiment:
     """The cases of one kind in a file of results, and their results, each computed once.
 
     Attributes:
-        tallies: Mode, number of episodes, first seed and last seed for each mode that occurs, by
-            the number of the case.
         cases: Cases with episodes, by their numbers.
+        episodes: Episodes of these cases.
         unbegun: Number of cases of this kind without an episode.
+
+    Raises:
+        StoreError: no sweep can have written one of the cases or rows.
     """
 
     def __init__(self, store: Store, kind: ReportKind) -> None:
         self.store, self.kind = store, kind
-        store.check_rows()
-        self.tallies: dict[int, list[tuple[Any, ...]]] = {}
-        for case_id, *tally in store.query(
-            "SELECT case_id, mode, count(*), min(seed), max(seed) "
-            f"FROM {TABLE_OF[kind.row]} GROUP BY case_id, mode"
-        ):
-            self.tallies.setdefault(case_id, []).append(tuple(tally))
-        cases = store.cases()
-        self.cases: dict[int, Case] = {case_id: cases[case_id] for case_id in self.tallies}
-        self.unbegun = sum(row_type(case) is kind.row for case in cases.values()) - len(self.cases)
+        self.cases, self.episodes = dict[int, Case](), dict[int, CaseEpisodes]()
+        self.unbegun = 0
+        for number, case in store.cases().items():
+            if row_type(case) is kind.row:
+                found = CaseEpisodes(kind, (row for row, _ in store.rows(number, kind.row)))
+                if found.modes:
+                    self.cases[number], self.episodes[number] = case, found
+                else:
+                    self.unbegun += 1
         self._results: dict[CaseIds, Results] = {}
         self._paired: dict[tuple[ReportedMeasure, int, int], Interval | None] = {}
 
@@ -220,25 +266,17 @@ class Experiment:
         such seeds.
         """
         if (key := (measure, one, other)) not in self._paired:
-            self._paired[key] = self._compare(measure, one, other)
+            first, second = self.episodes[one], self.episodes[other]
+            _, *both = np.intersect1d(
+                first.seeds, second.seeds, assume_unique=True, return_indices=True
+            )
+            values = first.values[measure][both[0]] - second.values[measure][both[1]]
+            self._paired[key] = _difference(measure, values[~np.isnan(values)])
         return self._paired[key]
 
-    def _compare(self, measure: ReportedMeasure, one: int, other: int) -> Interval | None:
-        values = _values_of(measure, self.kind)
-        pairs = f"SELECT a.value - b.value FROM ({values}) a JOIN ({values}) b USING (seed)"
-        found = _numbers(self.store, pairs, one, other)
-        if measure is SUCCESS and len(found):
-            return paired_share_interval(int((found > 0).sum()), int((found < 0).sum()), len(found))
-        return mean_interval(found)
 
-
-def _values_of(measure: ReportedMeasure, kind: ReportKind) -> str:
-    """Return the query for the seeds and the values of a measure in a case."""
-    return (
-        f"SELECT seed, {measure.value} AS value FROM {TABLE_OF[kind.row]} "
-        f"WHERE case_id = ? AND {measure.of} AND {measure.value} IS NOT NULL"
-    )
-
-
-def _numbers(store: Store, statement: str, *case_ids: int) -> np.ndarray:
-    return np.fromiter((value for (value,) in store.query(statement, *case_ids)), dtype=float)
+def _difference(measure: ReportedMeasure, values: np.ndarray) -> Interval | None:
+    """Return the interval of the mean of some differences."""
+    if measure is SUCCESS and len(values):
+        return paired_share_interval(int((values > 0).sum()), int((values < 0).sum()), len(values))
+    return mean_interval(values)

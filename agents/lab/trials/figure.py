@@ -54,7 +54,8 @@ def message(scores: Mapping[str, Scores]) -> str:
         return f"No agent delivered in {counted(total, 'episode')}"
     best = [name for name in scores if delivered[name] == most]
     names = listed(map(fitting, best)) if len(best) <= MAX_BEST else f"{len(best)} agents"
-    steps = sorted(round(each.steps.estimate) for name in best if (each := scores[name]).steps)
+    found = [scores[name].per_delivery("steps") for name in best]
+    steps = sorted(round(each.estimate) for each in found if each)
     cost = " to ".join(dict.fromkeys(f"{each:,}" for each in (steps[0], steps[-1])))
     share = f"All {total:,}" if most == total else f"Most, {most:,} of {total:,},"
     return f"{share} delivered by {names}, at {cost} steps per delivery"

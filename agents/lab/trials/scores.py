@@ -67,10 +67,12 @@ class Scores:
         """Share of episodes that ended with the delivery."""
         return share_interval(int(self.delivered.sum()), len(self.rows))
 
-    @property
-    def steps(self) -> Interval | None:
-        """Steps of all episodes divided by the deliveries, or ``None`` without a delivery."""
-        return ratio_interval(self.lengths, self.delivered)
+    def per_delivery(self, name: str) -> Interval | None:
+        """Return the sum of a field of all rows, such as ``"steps"``, divided by the deliveries.
+
+        Return ``None`` without a delivery.
+        """
+        return ratio_interval(np.array([getattr(row, name) for row in self.rows]), self.delivered)
 
     @property
     def ratio(self) -> Interval | None:
@@ -79,16 +81,6 @@ class Scores:
             row.steps / row.needed for row in self.rows if row.needed and row.mode == DELIVERED
         ]
         return mean_interval(np.array(ratios))
-
-    @property
-    def seconds(self) -> Interval | None:
-        """Simulated time of all episodes divided by the number of deliveries, in s."""
-        return ratio_interval(np.array([row.seconds for row in self.rows]), self.delivered)
-
-    @property
-    def joules(self) -> Interval | None:
-        """Energy of all episodes divided by the number of deliveries, in J."""
-        return ratio_interval(np.array([row.joules for row in self.rows]), self.delivered)
 
     @property
     def expanded(self) -> Interval | None:
@@ -149,23 +141,22 @@ class Measure(NamedTuple):
     is_log: bool = False
 
 
+def _per_delivery(name: str) -> Measure:
+    title = f"{name} per delivery"
+    return Measure(title, title, lambda scores: scores.per_delivery(name), is_log=True)
+
+
 MEASURES = (
     Measure("success", "delivered", lambda scores: scores.success),
-    Measure("steps per delivery", "steps per delivery", lambda scores: scores.steps, is_log=True),
+    _per_delivery("steps"),
     Measure(
-        "steps / fewest\n(deliveries)",
-        "steps / fewest possible steps",
-        lambda scores: scores.ratio,
-        is_log=True,
+        "steps / fewest\n(deliveries)", "steps / fewest possible steps",
+        lambda scores: scores.ratio, is_log=True,
     ),
     Measure("expanded", "nodes expanded per episode", lambda scores: scores.expanded),
-    Measure(
-        "seconds per delivery", "seconds per delivery", lambda scores: scores.seconds, is_log=True
-    ),
-    Measure(
-        "joules per delivery", "joules per delivery", lambda scores: scores.joules, is_log=True
-    ),
-)
+    _per_delivery("seconds"),
+    _per_delivery("joules"),
+)  # fmt: skip
 
 GRID_MEASURES = MEASURES[:4]
 """Measures on the grid, which has no seconds and no joules of its own."""

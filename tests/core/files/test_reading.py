@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from agents.lab.experiments.choices import read_plan_file
+from agents.lab.experiments.plan import read_plan_file
 from agents.learning.policy_network import PolicyNetwork
 from agents.learning.q_table import load_table
 from warehouse_core import Episode, Layout

@@ -23,8 +23,7 @@ from agents.lab.commands.backends.trial import (
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.parameters import Number
-from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
-from agents.lab.trials.wording import above_interval
+from agents.lab.trials.interval import MIN_VALUES, Interval, above_interval, mean_interval
 from agents.lab.trials.workers import run_trials
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEpisode, WarehouseError

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from agents.fleet.optimum import Optimum, most_deliveries
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
-from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, mean_interval
-from agents.lab.trials.wording import mean, percent
+from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, mean, mean_interval, percent
 from warehouse_core import Episode
 from warehouse_core.files.tables import write_table
 from warehouse_core.fleet import FleetMeasures

@@ -32,8 +32,13 @@ from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, say, warnings_printed
 from agents.lab.console.values import parse_sizes
-from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval, share_interval
-from agents.lab.trials.wording import above_interval
+from agents.lab.trials.interval import (
+    MIN_VALUES,
+    Interval,
+    above_interval,
+    mean_interval,
+    share_interval,
+)
 from agents.lab.trials.workers import run_trials
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong

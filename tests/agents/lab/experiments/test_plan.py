@@ -8,9 +8,15 @@ from helpers.command_line import Refused
 from helpers.sweeps import Here, nothing
 
 from agents.errors import ParameterError
-from agents.lab.experiments import choices as plan_file
-from agents.lab.experiments.choices import MAX_BYTES, parse_flags, read_plan_file
-from agents.lab.experiments.plan import MAX_SEED, SweepPlan, make_plan
+from agents.lab.experiments import plan as plan_file
+from agents.lab.experiments.plan import (
+    MAX_BYTES,
+    MAX_SEED,
+    SweepPlan,
+    make_plan,
+    parse_flags,
+    read_plan_file,
+)
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.experiments.sweep import PRESETS

@@ -7,12 +7,12 @@ import pytest
 from helpers.command_line import write_mine
 from helpers.results_files import row
 
-from agents.errors import StoreError
 from agents.lab.experiments.case import FINGERPRINT, Case, make_case, run_task
 from agents.lab.experiments.case import run_one as run_whole
 from agents.lab.experiments.store import Store
 from agents.lab.reports import examples
 from agents.lab.reports.examples import Example, find_examples, replay
+from agents.lab.reports.results import LONE, Experiment
 from warehouse_core import Episode
 
 
@@ -25,7 +25,7 @@ def store() -> Iterator[Store]:
 def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Example]:
     case = make_case(settings)  # type: ignore[arg-type]
     store.add(store.case_id(case), run_task(case, range(episodes)).rows)
-    return find_examples(store)
+    return find_examples(Experiment(store, LONE))
 
 
 def test_the_shortest_is_chosen_then_the_first_case_then_the_smallest_seed(store: Store) -> None:
@@ -34,7 +34,7 @@ def test_the_shortest_is_chosen_then_the_first_case_then_the_smallest_seed(store
     store.add(first, [row(1, "stalled", 9), row(8, "stalled", 7), row(9, "stalled", 7)])
     store.add(second, [row(0, "stalled", 7), row(2, "stalled", 8), row(3, "delivered", 4)])
     store.add(first, [row(2, "delivered", 5)])
-    assert find_examples(store) == [
+    assert find_examples(Experiment(store, LONE)) == [
         Example("delivered", cases[1], 3, 4, 2), Example("stalled", cases[0], 8, 7, 5),
     ]  # fmt: skip
 
@@ -132,12 +132,6 @@ def test_an_episode_that_takes_longer_than_in_the_results_is_stopped(
     example = replay(Example("wandering", case, 0, 7, 1), run_own_code=True)
     assert "it has not ended after 7 steps, not wandering after 7" in example.sentence
     assert episodes[0].steps == 8
-
-
-def test_examples_are_found_only_among_rows_that_a_sweep_can_have_written(store: Store) -> None:
-    store.add(77, [row(0, "stalled", 9)])
-    with pytest.raises(StoreError, match="the row of case 77, seed 0 is damaged"):
-        find_examples(store)
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ from agents.lab.reports.figures import (
     stuck_cells,
     stuck_heat_map,
 )
-from agents.lab.reports.results import FLEETS, STEPS, SUCCESS, Experiment
+from agents.lab.reports.results import FLEETS, LONE, STEPS, SUCCESS, Experiment
 from warehouse_core import DEFAULT_LAYOUT
 from warehouse_core.viz.figure import SceneFigure
 
@@ -298,7 +298,7 @@ def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:
     store.add(first, [each._replace(seed=seed) for seed, each in enumerate(rows)])
     store.add(second, [row(0, "wandering", row=1, col=2)])
     store.add(other, [row(0, "wandering"), row(1, "stalled")])
-    stuck = stuck_cells(store, DEFAULT_LAYOUT.rows, [first, second])
+    stuck = stuck_cells(Experiment(store, LONE), DEFAULT_LAYOUT.rows, [first, second])
     assert list(stuck) == ["unreachable", "wandering"]
     assert stuck["wandering"].shape == (7, 12)
     assert stuck["wandering"][1, 2] == 3

@@ -100,7 +100,7 @@ def test_invalid_results_and_outputs_are_errors(
 
 def page_of(*cases: Any) -> Page:
     with experiment_of(cases) as experiment:
-        return make_page(experiment.store, ())
+        return make_page(experiment.store)
 
 
 def test_a_long_table_ends_with_the_number_of_further_combinations(

@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 
-from agents.lab.trials import wording
 from agents.lab.trials.interval import (
     MIN_VALUES,
     Interval,
     difference_interval,
+    mean,
     mean_interval,
     paired_share_interval,
+    percent,
     ratio_interval,
+    share,
     share_interval,
 )
 
@@ -97,7 +99,7 @@ def test_few_values_have_no_interval_and_equal_values_have_one_of_width_zero() -
 
 
 def test_a_share_has_its_interval_in_brackets() -> None:
-    assert wording.share(Interval(0.8744, 0.852, 0.8931)) == "87.4% (85.2 to 89.3)"
+    assert share(Interval(0.8744, 0.852, 0.8931)) == "87.4% (85.2 to 89.3)"
 
 
 @pytest.mark.parametrize(
@@ -107,12 +109,12 @@ def test_a_share_has_its_interval_in_brackets() -> None:
      (3863.2, "3,863 s (3,863 to 3,863)"), (-12.34, "-12.3 s (-12.3 to -12.3)")],
 )  # fmt: skip
 def test_a_mean_has_three_digits_or_all_of_its_integer_part(estimate: float, words: str) -> None:
-    assert wording.mean(Interval(estimate, estimate, estimate), "s") == words
+    assert mean(Interval(estimate, estimate, estimate), "s") == words
 
 
 def test_a_mean_without_an_interval_has_no_limits() -> None:
-    assert wording.mean(Interval(20), "steps") == "20.0 steps"
-    assert wording.mean(Interval(20, 10, 30), "") == "20.0 (10.0 to 30.0)"
+    assert mean(Interval(20), "steps") == "20.0 steps"
+    assert mean(Interval(20, 10, 30), "") == "20.0 (10.0 to 30.0)"
 
 
 @pytest.mark.parametrize(
@@ -128,4 +130,4 @@ def test_a_mean_without_an_interval_has_no_limits() -> None:
     ],
 )
 def test_a_share_is_not_rounded_to_none_or_all(part: float, words: str) -> None:
-    assert wording.percent(part) == words
+    assert percent(part) == words

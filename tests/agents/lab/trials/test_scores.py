@@ -15,4 +15,4 @@ def test_failures_count_in_all_measures_but_the_ratio_to_the_fewest_steps() -> N
         "seconds per delivery": pytest.approx((30 * 40 + 10 * 400) / 30),
         "joules per delivery": pytest.approx((30 * 900 + 10 * 9000) / 30),
     }  # fmt: skip
-    assert scores_of([BAD]).steps is None
+    assert scores_of([BAD]).per_delivery("steps") is None
