@@ -43,6 +43,9 @@ NARROW = 1.5
 VEIL = 0.75
 """Opacity of the layer over the part of a chart after the present frame."""
 
+STRIPS = 24
+"""Number of strips in which this layer is taken away."""
+
 STYLES: dict[tuple[SeriesKind, int], tuple[str, dict[str, Any]]] = {
     ("line", 0): ("", {"linewidth": 1.8}),
     ("line", 1): ("dashed", {"linewidth": 1.8, "linestyle": (0, (4, 1.5))}),
@@ -107,6 +110,7 @@ class Chart:
             for each, (_, style) in zip(series, looks, strict=True)
         ]
         self._curtain = Shapes(zorder=3)
+        self._strip = max(end, 1) / STRIPS
         self._shown: tuple[float, float, float] | None = None
         for line in self._lines:
             figure.add_mover(line)
@@ -121,13 +125,20 @@ class Chart:
 
     def show(self, time: float) -> None:
         """Make the part after a time pale."""
+        end = self.axes.get_xlim()[1]
         column = round(self.axes.transData.transform((time, 0))[0])
         low, high = self.axes.get_ylim()
         if self._shown == (column, low, high):
             return
         self._shown = column, low, high
-        end = self.axes.get_xlim()[1]
-        veil = polygons([[(time, low), (end, low), (end, high), (time, high)]])
+        # The layer has two parts, and the second one changes only when the first one has gone.
+        edge = math.ceil(time / self._strip) * self._strip
+        veil = polygons(
+            [
+                [(left, low), (right, low), (right, high), (left, high)]
+                for left, right in ((time, min(edge, end)), (min(edge, end), end))
+            ]
+        )
         cursor = lines([[(time, low), (time, high)]])
         width = line_width(self.axes, 0.8)
         self._curtain.show([Shape(veil, PAPER, alpha=VEIL), Shape(cursor, None, INK, width)])

@@ -3,13 +3,13 @@
 Walls, axes and legend never change. They are drawn once into a background, and each frame is the
 background with the moving artists on top, both in a window and in an exported file. The moving
 artists are redrawn only in those parts of the figure that have changed. A part is the area of some
-axes, or one text of the figure. Within a part, the movers below the first one that has changed
-are drawn only once, into a layer.
+axes, or one text of the figure. Each mover of axes has a layer, which is the picture of its part
+with this mover and all below it. Only the smallest box around the changed shapes is drawn again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -27,6 +27,8 @@ from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import POINTS
 from warehouse_core.viz.gif_writer import ColorValues
 from warehouse_core.viz.line_of_text import LineOfText
+from warehouse_core.viz.pixel_box import PixelBox, around, box_around
+from warehouse_core.viz.shapes import Shape, Shapes
 
 DPI = 100
 """Pixels in an inch."""
@@ -35,11 +37,9 @@ AROUND_AXES, AROUND_TEXT = 8.0, 3.0
 """Margins in points around axes and around a text, into which their movers may draw."""
 
 Part = tuple[float, ...] | Artist
-PixelBox = tuple[int, int, int, int]
-"""Top, bottom, left and right, in pixels."""
 
-Layer = tuple[PixelBox, int, ColorValues]
-"""A box, the number of movers of its part that are drawn in it, and its pixels."""
+Layer = tuple[ColorValues, Sequence[Shape]]
+"""The pixels of a part with a mover and all below it, and the shapes of this mover."""
 
 
 class SceneFigure(Figure):
@@ -56,8 +56,9 @@ class SceneFigure(Figure):
         self._background: ColorValues = np.empty((0, 0, 4), np.uint8)
         self._shown = self._background
         self._background_size: tuple[float, float, float] | None = None
+        self._parts: dict[Part, list[Artist]] = {}
         self._boxes: dict[Part, PixelBox] = {}
-        self._layers: dict[Part, Layer] = {}
+        self._layers: dict[Artist, Layer] = {}
         self.changed: list[PixelBox] = []
         self.replay: object = None
 
@@ -66,6 +67,7 @@ class SceneFigure(Figure):
         # Matplotlib keeps the changes of an animated artist from making the figure stale.
         artist.set_animated(True)
         self._movers.append(artist)
+        self.stale = True
 
     def add_movers(self, axes: Axes, *artists: Artist) -> None:
         """Add artists to axes, and declare that they change from frame to frame."""
@@ -106,16 +108,17 @@ class SceneFigure(Figure):
             with self.canvas.callbacks.blocked(signal="draw_event"):
                 self._draw_still(renderer, with_movers=False)
             self._background, self._shown = canvas.copy(), canvas.copy()
-            self._boxes, self._layers = {}, {}
+            self._parts, self._boxes, self._layers = self._find_parts(), {}, {}
             self._background_size = size
             height, width, _ = canvas.shape
-            boxes.append((0, height, 0, width))
-        for part, movers in self._parts().items():
+            boxes.append(PixelBox(0, height, 0, width))
+        for part, movers in self._parts.items():
             if is_new or any(mover.stale for mover in movers):
-                boxes.append(self._draw_part(renderer, canvas, part, movers))
+                draw = self._draw_axes if movers[0].axes else self._draw_text
+                boxes += draw(renderer, canvas, part, movers)
         self.changed = boxes
 
-    def _parts(self) -> dict[Part, list[Artist]]:
+    def _find_parts(self) -> dict[Part, list[Artist]]:
         """Return the movers of each part. Axes in the same place are a single part."""
         parts: dict[Part, list[Artist]] = {}
         for mover in self._movers:
@@ -123,28 +126,55 @@ class SceneFigure(Figure):
             parts.setdefault(axes.bbox.bounds if axes else mover, []).append(mover)
         return parts
 
-    def _draw_part(
+    def _draw_text(
         self, renderer: Any, canvas: ColorValues, part: Part, movers: list[Artist]
-    ) -> PixelBox:
-        """Redraw the area of a part before and after the change; ignore anything drawn outside."""
-        before, is_axes = self._boxes.get(part), movers[0].axes is not None
-        now = before if before and is_axes else self._box_of(movers[0], renderer)
-        box = around([now, before or now])
-        area = slice(*box[:2]), slice(*box[2:])
-        still = next((number for number, mover in enumerate(movers) if mover.stale), 0)
-        layer = self._layers.get(part)
-        if layer is None or layer[:2] != (box, still):
-            canvas[area] = self._background[area]
-            for mover in movers[:still]:
-                mover.draw(renderer)
-            self._layers[part] = layer = box, still, canvas[area].copy()
-        canvas[area] = layer[2]
-        for mover in movers[still:]:
-            mover.draw(renderer)
-            mover.stale = False
+    ) -> list[PixelBox]:
+        """Redraw the area of a text before and after the change; ignore anything drawn outside."""
+        (text,) = movers
+        now = self._box_of(text, renderer)
+        box = around([now, self._boxes.get(part, now)])
+        canvas[box.area] = self._background[box.area]
+        text.draw(renderer)
+        text.stale = False
         self._boxes[part] = now
-        self._shown[area] = canvas[area]
-        return box
+        self._shown[box.area] = canvas[box.area]
+        return [box]
+
+    def _draw_axes(
+        self, renderer: Any, canvas: ColorValues, part: Part, movers: list[Artist]
+    ) -> list[PixelBox]:
+        """Redraw what has changed in some axes; ignore anything drawn outside."""
+        if part not in self._boxes:
+            self._boxes[part] = self._box_of(movers[0], renderer)
+        whole = self._boxes[part]
+        drawing, below, shown = (
+            pixels[whole.area] for pixels in (canvas, self._background, self._shown)
+        )
+        changed: list[PixelBox] = []
+        for mover in movers:
+            layer = below.copy() if mover not in self._layers else self._layers[mover][0]
+            changed += self._changed_box(mover, whole, renderer)
+            if changed:
+                box = around(changed)
+                inside = box.moved(-whole.top, -whole.left).area
+                drawing[inside] = below[inside]
+                draw_within(mover, box, renderer)
+                layer[inside] = drawing[inside]
+            self._layers[mover] = layer, getattr(mover, "shapes", ())
+            below = layer
+        if not changed:
+            return []
+        shown[inside] = below[inside]
+        return [box]
+
+    def _changed_box(self, mover: Artist, whole: PixelBox, renderer: Any) -> list[PixelBox]:
+        """Return the box in which a mover of axes has changed, or no box."""
+        if mover in self._layers and not mover.stale:
+            return []
+        if mover not in self._layers or not isinstance(mover, Shapes):
+            return [whole]
+        extent = mover.changed_since(self._layers[mover][1])
+        return [] if extent is None else [whole.common(box_around(extent, 0, renderer.height))]
 
     def _box_of(self, mover: Artist, renderer: Any) -> PixelBox:
         """Return the box of pixels around a text or axes, with its margin.
@@ -152,11 +182,8 @@ class SceneFigure(Figure):
         The box of an empty text has no margin, because it would erase the text next to it.
         """
         extent = mover.axes.bbox if mover.axes else mover.get_window_extent(renderer)
-        around = (AROUND_AXES if mover.axes else AROUND_TEXT) * self.dpi / POINTS
-        around *= extent.width > 0
-        left, right = (round(x) for x in (extent.x0 - around, extent.x1 + around))
-        top, bottom = (round(renderer.height - y) for y in (extent.y1 + around, extent.y0 - around))
-        return max(top, 0), max(bottom, 0), max(left, 0), max(right, 0)
+        margin = (AROUND_AXES if mover.axes else AROUND_TEXT) * self.dpi / POINTS
+        return box_around(extent, margin * (extent.width > 0), renderer.height)
 
     def rgba(self) -> ColorValues:
         """Return the pixels of the figure, ``[height, width, 4]``, until it is drawn again."""
@@ -184,10 +211,14 @@ class SceneFigure(Figure):
         self.stale = False
 
 
-def around(boxes: Iterable[PixelBox]) -> PixelBox:
-    """Return the smallest box that contains all of the boxes."""
-    tops, bottoms, lefts, rights = zip(*boxes, strict=True)
-    return min(tops), max(bottoms), min(lefts), max(rights)
+def draw_within(mover: Artist, box: PixelBox, renderer: Any) -> None:
+    """Draw a mover so that it is complete within a box."""
+    if isinstance(mover, Shapes):
+        mover.needed = box.bounds(renderer.height)
+    mover.draw(renderer)
+    if isinstance(mover, Shapes):
+        mover.needed = None
+    mover.stale = False
 
 
 def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from PIL import GifImagePlugin, Image
 
 from warehouse_core.render.palette import indexed_palette
+from warehouse_core.viz.pixel_box import PixelBox, around, boxes_of
 
 LAST_FRAME_MS = 2000
 """Milliseconds for which a GIF shows its last frame before it starts again."""
@@ -37,11 +38,10 @@ class GifWriter:
         self._last: NDArray[np.uint32] | None = None
         self._pending: tuple[Image.Image, tuple[int, int]] | None = None
 
-    def add(self, frame: ColorValues, changed: Sequence[tuple[int, int, int, int]]) -> None:
+    def add(self, frame: ColorValues, changed: Sequence[PixelBox]) -> None:
         """Add a frame, ``[height, width, 4]``.
 
-        It may differ from the previous frame only within the boxes ``changed``, given by their
-        top, bottom, left and right.
+        It may differ from the previous frame only within the boxes ``changed``.
         """
         colors = frame.view("<u4")[..., 0]
         if self._last is None:
@@ -52,15 +52,14 @@ class GifWriter:
             self._file.write(b"".join(header))
         else:
             indices = np.full(colors.shape, self._unchanged, np.uint8)
+            extents = []
             for box in changed:
-                area = slice(*box[:2]), slice(*box[2:])
-                new, differs = colors[area], colors[area] != self._last[area]
-                indices[area][differs] = self._indices_of(new[differs])
-                self._last[area] = new
-            is_new = indices != self._unchanged
-            rows, columns = _extent(is_new.any(axis=1)), _extent(is_new.any(axis=0))
-            top, left = rows.start, columns.start
-            image = Image.fromarray(indices[rows, columns])
+                new, differs = colors[box.area], colors[box.area] != self._last[box.area]
+                indices[box.area][differs] = self._indices_of(new[differs])
+                self._last[box.area] = new
+                extents += [each.moved(box.top, box.left) for each in boxes_of(differs)]
+            extent = around(extents or [PixelBox(0, 1, 0, 1)])
+            image, top, left = Image.fromarray(indices[extent.area]), extent.top, extent.left
         self._write(self._frame_ms)
         self._pending = image, (left, top)
 
@@ -99,9 +98,3 @@ def _palette_image() -> Image.Image:
     palette = Image.new("P", (1, 1))
     palette.putpalette(indexed_palette())
     return palette
-
-
-def _extent(flags: NDArray[np.bool_]) -> slice:
-    """Return the shortest slice with all true flags, or ``slice(0, 1)`` if there are none."""
-    found = np.flatnonzero(flags)
-    return slice(int(found[0]), int(found[-1]) + 1) if len(found) else slice(0, 1)

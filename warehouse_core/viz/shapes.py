@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
+from itertools import zip_longest
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,8 +16,8 @@ from matplotlib.artist import Artist
 from matplotlib.font_manager import FontProperties
 from matplotlib.path import Path
 from matplotlib.textpath import TextPath
-from matplotlib.transforms import Affine2D
-from numpy.typing import ArrayLike
+from matplotlib.transforms import Affine2D, Bbox
+from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.render.palette import INK, LOOK, PAPER, Color
 from warehouse_core.viz.axes import POINTS
@@ -25,10 +26,16 @@ from warehouse_core.viz.tracks.track import Point
 DOTS = (0.01, 1.6)
 """Dash pattern of dots, in multiples of the line width."""
 
+SNAP = 2
+"""Pixels by which matplotlib may move edges, to draw them sharply."""
+
 SQUARE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 BAR = SQUARE + 0.5
 CIRCLE = np.array([(math.cos(turn), math.sin(turn)) for turn in np.linspace(0, 2 * math.pi, 33)])
 """Shapes with a side or radius of 1 around 0, 0, except for the bar, whose corner is at 0, 0."""
+
+
+Points = NDArray[np.float64]
 
 
 class Shape(NamedTuple):
@@ -46,12 +53,19 @@ class Shape(NamedTuple):
 
 
 class Shapes(Artist):
-    """An artist that draws shapes in their order, in axes whose unit is a cell."""
+    """An artist that draws shapes in their order, in axes whose unit is a cell.
+
+    Attributes:
+        shapes: shapes that it draws.
+        needed: part of the figure, in pixels, outside of which nothing needs to be drawn, or
+            ``None``.
+    """
 
     def __init__(self, zorder: float = 0) -> None:
         super().__init__()
         self.set_zorder(zorder)
         self.shapes: Sequence[Shape] = ()
+        self.needed: Bbox | None = None
 
     def show(self, shapes: Iterable[Shape]) -> None:
         """Draw these shapes from now on."""
@@ -73,9 +87,51 @@ class Shapes(Artist):
             style.set_capstyle("round" if dashes == DOTS else "butt")
             if dashes:
                 style.set_dashes(0, [dash * width * cell for dash in dashes])
+            if alpha < 1 and self.needed is not None:
+                # Only translucent shapes are large. Their edges are horizontal and vertical, so
+                # that clipping changes no pixels inside.
+                style.set_clip_rectangle(self.needed)
             renderer.draw_path(style, path, to_pixels, (*fill, alpha) if fill else None)
             style.restore()
         self.stale = False
+
+    def changed_since(self, drawn: Sequence[Shape]) -> Bbox | None:
+        """Return the part of the figure, in pixels, that has changed since ``drawn`` was drawn."""
+        assert self.axes is not None, "shapes are in axes"
+        changed, widest = [], 0.0
+        for before, after in zip_longest(drawn, self.shapes):
+            corners = changed_corners(before, after)
+            if len(corners):
+                changed.append(corners)
+                widest = max(widest, *(shape.width for shape in (before, after) if shape))
+        if not changed:
+            return None
+        pixels = self.axes.transData.transform(np.concatenate(changed))
+        margin = widest * cell_of(self.axes) / 2 + SNAP
+        return Bbox([pixels.min(axis=0) - margin, pixels.max(axis=0) + margin])
+
+
+def changed_corners(before: Shape | None, after: Shape | None) -> Points:
+    """Return the corners ``[N, 2]`` before and after a change, without unchanged polygons."""
+    if not before or not after or before[1:] != after[1:]:
+        return np.concatenate([corners_of(shape) for shape in (before, after) if shape])
+    old, new = corners_of(before), corners_of(after)
+    codes: Any = after.path.codes
+    if len(old) != len(new) or not np.array_equal(before.path.codes, codes):  # type: ignore[arg-type]
+        return np.concatenate([old, new])
+    moved = (old != new).any(axis=1)
+    if not moved.any():
+        return new[:0]
+    polygons = np.cumsum(codes == Path.MOVETO)
+    has_moved = np.bincount(polygons, moved) > 0
+    corners: Points = np.concatenate([old, new])[np.tile(has_moved[polygons], 2)]
+    return corners
+
+
+def corners_of(shape: Shape) -> Points:
+    """Return the corners of a shape, ``[N, 2]``."""
+    corners: Points = np.asarray(shape.path.vertices)
+    return corners
 
 
 def cell_of(axes: Any) -> float:

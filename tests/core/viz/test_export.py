@@ -30,6 +30,7 @@ from warehouse_core.viz import export
 from warehouse_core.viz.export import FORMATS, mp4_frames, progress_bar
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.gif_writer import GifWriter, indexed
+from warehouse_core.viz.pixel_box import PixelBox
 from warehouse_core.wording import printable
 
 FRAMES = 7
@@ -364,7 +365,7 @@ def test_a_gif_that_goes_back_to_known_colors_shows_them_again() -> None:
     writer = GifWriter(file, 100)
     shades = [np.full((2, 2, 4), shade, np.uint8) for shade in (0, 255, 0, 255)]
     for shade in shades:
-        writer.add(shade, [(0, 2, 0, 2)])
+        writer.add(shade, [PixelBox(0, 2, 0, 2)])
     writer.finish()
     with Image.open(file) as gif:
         shown = [frame.convert("L").getpixel((0, 0)) for frame in ImageSequence.Iterator(gif)]

@@ -8,9 +8,15 @@ from helpers.pictures import pixels, replay_of, short_episode
 from matplotlib.backend_bases import DrawEvent
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.path import Path
 
-from warehouse_core.viz.figure import SceneFigure
+from agents import GreedyAgent
+from warehouse_core import Episode, WarehouseEnv, record_episode
+from warehouse_core.viz.figure import SceneFigure, make_figure
+from warehouse_core.viz.line_of_text import font_of
 from warehouse_core.viz.replay import Replay
+from warehouse_core.viz.shapes import BAR, CIRCLE, DOTS, Shape, Shapes, lines, stamped
+from warehouse_physics import Disturbances, RigidBodyMotion
 
 LAST = 6
 
@@ -159,13 +165,79 @@ def test_a_figure_without_pixels_raises() -> None:
         figure.pixels()
 
 
-def test_frames_with_charts_equal_new_drawings() -> None:
-    replay = replay_of(short_episode())
-    for frame in (0, 3, 1, 5, 5):
+def body_episode() -> Episode:
+    """Return the motion of a body on a floor with slippery cells."""
+    motion = RigidBodyMotion(disturbances=Disturbances(slippery="all", grip=0.1))
+    env = WarehouseEnv(backend=motion, max_steps=4)
+    return record_episode(env, GreedyAgent(seed=3), seed=3)
+
+
+@pytest.mark.parametrize("record", [short_episode, body_episode])
+def test_frames_with_charts_equal_new_drawings(record: Callable[[], Episode]) -> None:
+    replay, new = replay_of(record()), replay_of(record())
+    last = len(replay._scene) - 1
+    for frame in (0, 1, last // 2, last, 3, 3):
         replay.go_to(frame)
-        new = replay_of(short_episode())
         new.go_to(frame)
+        new.figure.stale = True
         assert np.array_equal(pixels(replay), pixels(new)), f"frame {frame}"
+        replay._scene.toggle_arrows()
+        new._scene.toggle_arrows()
+
+
+def random_shapes(random: np.random.Generator) -> list[Shape]:
+    """Return shapes of one or two polygons in a room of 4 x 4 cells, some of which reach out."""
+    shapes = []
+    for _ in range(random.integers(1, 4)):
+        places = random.integers(-1, 6, (random.integers(1, 3), 2))
+        color, line = ((0.1, 0.2, shade) for shade in random.choice([0.3, 0.9], 2))
+        kind = random.integers(0, 3)
+        if kind == 0:
+            shapes.append(Shape(stamped(BAR, places), color, alpha=0.5))
+        elif kind == 1:
+            shapes.append(Shape(stamped(CIRCLE * 0.7, places), color, line, 0.1))
+        else:
+            shapes.append(Shape(lines([places.tolist()]), None, line, 0.3, DOTS))
+    return shapes
+
+
+def varied(shape: Shape, random: np.random.Generator) -> Shape:
+    """Return a shape with another colour, or with one corner elsewhere if it is opaque."""
+    if shape.fill and random.random() < 0.5:
+        return shape._replace(fill=(0.9, 0.8, 0.1))
+    corners = np.array(shape.path.vertices)
+    corners[random.integers(0, len(corners))] += 1.3 * (shape.alpha == 1)
+    return shape._replace(path=Path(corners, shape.path.codes))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_changes_in_axes_is_redrawn_completely(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    figures, layers = [], []
+    for _ in range(2):
+        figures.append(make_figure((1, 1)))
+        axes = figures[-1].add_axes((0.3, 0.1, 0.6, 0.6), xlim=(0, 4), ylim=(4, 0))
+        layers.append([Shapes(), Shapes()])
+        figures[-1].add_movers(axes, *layers[-1])
+    for turn in range(8):
+        for number in range(2):
+            if random.random() < 0.6 or turn == 0:
+                shapes = random_shapes(random) if random.random() < 0.5 else []
+                old = [varied(s, random) if random.random() < 0.4 else s
+                       for s in layers[0][number].shapes[: random.integers(2, 6)]]  # fmt: skip
+                for movers in layers:
+                    movers[number].show([*old, *shapes])
+        figures[1].stale = True
+        assert np.array_equal(*(figure.rgba() for figure in figures))
+
+
+@pytest.mark.parametrize("pixels", [9.0, 12.5, 22.9])
+def test_letters_are_composed_as_pillow_composes_them(pixels: float) -> None:
+    font = font_of("bold", pixels)
+    for text in ("step 10 of 200", "AVATAR To. 'Ty, f", "WA-ffi;jg|@"):
+        mask, length = font.line(text)
+        assert np.array_equal(mask, font._draw(text))
+        assert length == font._pillow.getlength(text)
 
 
 @pytest.mark.parametrize("size", [9, 18])
