@@ -136,7 +136,7 @@ def test_fast_robots_do_not_sink_deep_into_walls(disturbances: Disturbances | No
         motion, stream = RigidBodyMotion(spec, disturbances, path_every=1), random.Random(1)
         motion.reset(HALL, [(1, 1)], 0)
         rows, columns = HALL.height, HALL.width
-        for _ in range(40):
+        for _ in range(20):
             path = move(motion, stream.choice(MOVES)).path
             sides = path[:, 1], columns - path[:, 1], path[:, 2], rows - path[:, 2]
             assert min(side.min() for side in sides) >= 0.95 * radius

@@ -8,7 +8,7 @@ from helpers.fuzz import formats, fuzz
 
 @pytest.mark.parametrize("name", formats())
 def test_changed_inputs_are_read_or_refused(name: str) -> None:
-    report = fuzz(name, 50 if name == "results" else 150, seed=2)
+    report = fuzz(name, 30 if name == "results" else 80, seed=2)
     assert report.accepted > 0
     assert report.refused > report.accepted
 

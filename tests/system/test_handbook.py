@@ -26,11 +26,13 @@ from helpers.handbook import (
 from helpers.lab_notebook import NOTEBOOK, PAGE, lab_notebook
 
 from agents.lab.commands import train
+from agents.lab.commands.fleet import fleet
 from agents.lab.experiments.sweep import PRESETS
-from agents.lab.grading.cases import is_right
+from agents.lab.grading.cases import GradedCase, is_right
 from agents.lab.grading.child import as_value
 from agents.lab.grading.rubric import SOLUTIONS, find_rubric, load_rubric
 from agents.lab.training import exams
+from warehouse_core import FleetEnv
 from warehouse_core.viz.replay import Replay
 
 README = ROOT / "README.md"
@@ -38,7 +40,9 @@ TEXTS = {page: page.read_text(encoding="utf-8") for page in (README, *PAGES)}
 ANSWERS = re.compile(
     r"^<!-- (\w+) -->\n\*\*(.*?)\*\*\n\n(.*?)\n\n!", flags=re.DOTALL | re.MULTILINE
 )
-FRAMES_APART = 10
+FRAMES_APART, MAX_STEPS = 10, 60
+"""Frames between two of a saved replay, and the longest shift of a command, in pages."""
+
 MAX_PICTURE_BYTES = 250_000
 GLOSSARY, PROMISES = HANDBOOK / "glossary.md", HANDBOOK / "promises.md"
 EXAMPLE = re.compile(r"(\w+\(.*\)) {2,}([^\s:].*?)(?:: .*)?$")
@@ -75,8 +79,17 @@ def slug(heading: str) -> str:
 
 @pytest.fixture
 def less_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Save only some frames of each replay, train for fewer steps, and use a single process."""
+    """Save only some frames of each replay, train, drive and grade less, and use one process."""
+
+    def short(*arguments: Any, max_steps: int, **settings: Any) -> FleetEnv:
+        return FleetEnv(*arguments, max_steps=min(max_steps, MAX_STEPS), **settings)
+
+    def few(case: GradedCase) -> range:
+        return range(case.first_seed, case.first_seed + min(case.episodes, 2))
+
     monkeypatch.setattr("os.cpu_count", lambda: 1)
+    monkeypatch.setattr(fleet, "FleetEnv", short)
+    monkeypatch.setattr(GradedCase, "seeds", property(few))
     monkeypatch.setattr(Replay, "new_saved_frame_seq", some_frames)
     kind = train.KINDS["q"]
     monkeypatch.setitem(train.KINDS, "q", kind._replace(steps=kind.steps // 20))

@@ -14,7 +14,7 @@ from warehouse_physics.drive import DriveEnv
 @pytest.mark.parametrize("drive", ["omnidirectional", "differential"])
 def test_it_delivers_without_hits_and_sooner_than_move_by_move(drive):
     env = DriveEnv(spec=RobotSpec(drive=drive))
-    for seed in range(3):
+    for seed in range(2):
         episode = record_episode(
             env, Follower(env, make_agent("astar", seed, env.layout)), seed=seed
         )
@@ -37,9 +37,9 @@ def test_it_copes_with_noise_and_ice(trouble):
     env = DriveEnv(disturbances=Disturbances(**trouble))
     done = [
         record_episode(env, Follower(env, make_agent("astar", seed, env.layout)), seed=seed).outcome
-        for seed in range(3)
+        for seed in range(2)
     ]
-    assert done.count("delivered") >= 2
+    assert done == ["delivered"] * 2
 
 
 def test_agents_that_bump_and_wander_are_driven_too():

@@ -97,9 +97,9 @@ def shift(env: FleetEnv, planner: str, seed: int) -> FleetMeasures:
 def test_a_fleet_with_a_person_in_narrow_aisles_does_not_freeze() -> None:
     layout = shelf_layout(3, 4, 5, aisle=1, pickups=6, dropoffs=3, seed=1)
     env = FleetEnv(
-        layout, 11, orders=OrderStream(0.4), people=1, battery=999, max_steps=600, dispatch=False
+        layout, 11, orders=OrderStream(0.4), people=1, battery=999, max_steps=300, dispatch=False
     )
-    assert shift(env, "pibt:guidance=lanes", 1).delivered > 120  # it froze after 20
+    assert shift(env, "pibt:guidance=lanes", 1).delivered > 60  # it froze after 20
 
 
 @pytest.mark.filterwarnings("ignore:0 chargers")

@@ -37,9 +37,9 @@ def test_costs_are_learned_once_for_all_seeds_and_guide_robots(
     actions = []
     for seed in (1, 2, 1):
         agent = make_fleet_agent(f"{name}:guidance=learned", None, seed, ROOM, 4)
-        env = FleetEnv(ROOM, 4, orders=OrderQueue(8), max_steps=60, dispatch=False)
+        env = FleetEnv(ROOM, 4, orders=OrderQueue(8), max_steps=30, dispatch=False)
         episode = record_fleet_episode(env, agent, seed=seed)
-        assert episode.measures.delivered > 3
+        assert episode.measures.delivered > 1
         assert episode.measures.blocked_by_robot == 0
         actions.append(episode.actions)
     assert calls == [(ROOM, 4)]

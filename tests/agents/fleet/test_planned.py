@@ -81,12 +81,12 @@ def test_orders_are_assigned_picked_and_dropped() -> None:
 )
 def test_a_shift_has_no_blocked_moves_and_is_repeated(assignment: str, people: int) -> None:
     layout = shelf_layout(3, 3, 4, 1, 2, seed=1, pickups=6, dropoffs=3, chargers=4)
-    env = fleet_of(layout, 10, orders=OrderQueue(20), people=people, max_steps=150)
+    env = fleet_of(layout, 10, orders=OrderQueue(20), people=people, max_steps=80)
     agent = make_fleet_agent("pibt", assignment, 3, layout)
     episode = record_fleet_episode(env, agent, seed=2)
     assert episode.measures.blocked_by_wall == 0
     assert episode.measures.blocked_by_robot == 0 or people
-    assert episode.measures.delivered > 15
+    assert episode.measures.delivered > 7
     assert record_fleet_episode(env, agent, seed=2) == episode
     assert replay_fleet_episode(episode) == episode
 

@@ -47,7 +47,7 @@ def test_a_plan_in_which_no_robot_is_late_is_not_replanned(headings) -> None:
 
 
 def test_guidance_by_traffic_makes_the_first_plan_of_a_crowded_floor_cheaper() -> None:
-    problem = random_problem(random_layout(14, 14, 0.1, seed=3), 90, seed=3)
+    problem = random_problem(random_layout(11, 11, 0.1, seed=3), 60, seed=3)
     first = lacam(problem, HOUR)
     assert first.sum_of_costs > module.CROWDED * problem.lower_bound
     assert solve_anytime(problem, HOUR, trials=0).sum_of_costs < 0.9 * first.sum_of_costs

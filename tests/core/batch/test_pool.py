@@ -40,7 +40,7 @@ def test_each_row_equals_a_single_environment_in_the_layouts_it_draws(
     limits: dict[str, Any] = {"max_steps": 9, "battery": 8, "backend": backend}
     batch = BatchEnv(ROWS, pool=POOL, randomize=randomize, autoreset_mode=mode, **limits)
     FromPool.chosen = Counter()
-    Walk(batch, [FromPool(POOL[0], randomize, **limits) for _ in range(ROWS)], seed=5).go(40)
+    Walk(batch, [FromPool(POOL[0], randomize, **limits) for _ in range(ROWS)], seed=5).go(24)
     assert set(FromPool.chosen) == set(POOL)
 
 

@@ -56,7 +56,7 @@ def results(kind: str) -> Iterator[list[Any]]:
     actions = len(env.settings.actions)
     observations, info = env.reset(seed=1)
     yield [*flat(observations), *flat(info)]
-    for _ in range(STEPS.get(kind, 120)):
+    for _ in range(STEPS.get(kind, 80)):
         chosen = stream.integers(0, actions + 1, env.settings.robots)  # one of them is invalid
         useful = np.argmax(info["action_mask"][:, ::-1], axis=1)
         chosen = np.where(stream.random(len(chosen)) < 0.5, actions - 1 - useful, chosen)
@@ -92,7 +92,7 @@ def test_both_forms_give_equal_results_on_many_floors(
             4, layouts, robots=4, orders=orders, people=1, max_steps=30, autoreset_mode="SameStep"
         )
         found = [flat(value) for value in batch.reset(seed=2)]
-        for _ in range(80):
+        for _ in range(50):
             step = batch.step(stream.integers(0, 7, batch.num_envs))
             found += [flat(value) for value in step]
         each.append([*found, [batch.measures(fleet) for fleet in range(4)]])

@@ -36,13 +36,13 @@ def assert_drives(
 
 
 @given(crowds())
-@settings(max_examples=30)
+@settings(max_examples=15)
 def test_random_crowds_keep_the_order_of_the_plan(crowd) -> None:
     layout, plan, loaded, _ = crowd
     assert_drives(layout, plan, FAST, loaded)
 
 
-@pytest.mark.parametrize(("height", "width"), [(2, 2), (2, 3), (3, 3), (3, 5)])
+@pytest.mark.parametrize(("height", "width"), [(2, 2), (2, 3), (3, 4)])
 @pytest.mark.parametrize("gaps", [0, 1])
 def test_rings_move_together(height: int, width: int, gaps: int) -> None:
     ring, steps = ring_of(height, width), 5
@@ -67,7 +67,7 @@ def test_a_queue_keeps_its_distance_from_a_slow_robot() -> None:
     assert first.seconds == second.seconds > 7.1
 
 
-@pytest.mark.parametrize("distance", [3, 4, 5, 6])
+@pytest.mark.parametrize("distance", [3, 4, 5])
 def test_a_fast_robot_keeps_its_distance_from_one_that_turns_back_and_starts_slowly(
     distance: int,
 ) -> None:

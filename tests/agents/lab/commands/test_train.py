@@ -199,7 +199,7 @@ def test_a_table_is_trained_and_run(warehouse: Warehouse) -> None:
 
 # Interrupts, and what comes after them.
 
-LONG = (*WORDS, "--steps", 20_000)
+LONG = (*WORDS, "--steps", 10_000)
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
@@ -219,10 +219,10 @@ def test_a_training_that_is_resumed_ends_as_if_it_had_not_been_interrupted(
         assert not Path("a.npz").exists()
     else:
         assert (process.returncode, err) == (130, "warehouse: interrupted\n")
-        assert re.match(r"[\d,]+ of 20,000 steps in ", out)
+        assert re.match(r"[\d,]+ of 10,000 steps in ", out)
         assert "saved a.npz" in out
     resumed, whole = (warehouse(*LONG, *w) for w in (("--resume", "-o", "a.npz"), ("-o", "b.npz")))
-    assert re.match(r"resumed after [\d,]+ of 20,000 steps\n", resumed.out)
+    assert re.match(r"resumed after [\d,]+ of 10,000 steps\n", resumed.out)
     assert resumed.err == whole.err == ""
     assert load_table("a.npz")[0] == load_table("b.npz")[0]
     assert Path("a.csv").read_text() == Path("b.csv").read_text()

@@ -98,7 +98,7 @@ def test_flags_and_options_override_the_plan_file(
 
 def test_a_killed_sweep_loses_and_repeats_no_rows(path: Path, tmp_path: Path) -> None:
     """``bench_sweep.py`` kills sweeps of lone robots and of fleets 100 times each."""
-    episodes = 400
+    episodes = 150
     assert kill_sweeps(path, episodes, 1) == 1
     before = table(path)
     assert before
