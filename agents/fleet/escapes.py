@@ -19,7 +19,7 @@ from agents.mapf.assignment import NONE
 from agents.mapf.graph import CLOSED, Fields
 from agents.mapf.kernels import lacam
 from agents.mapf.kernels import pibt as kernels
-from agents.mapf.kernels.buffers import buffer_of, table_of
+from agents.mapf.kernels.buffers import table_of, write
 from agents.mapf.kernels.epibt import epibt_of
 from agents.mapf.kernels.pibt import pibt_of
 from agents.mapf.kernels.places import FAR
@@ -76,16 +76,15 @@ class JointSearch:
         ranks = np.argsort(is_robot, kind="stable") if people_first else np.arange(count)
         self._table, self._floor = table_of(table), fields.floor
         self._robots = robots = robots_of(size, count, 0)
-        robots.goals[:] = buffer_of(np.where(is_chief, deadlock.field.argmin(), NONE))
-        robots.rows[:] = buffer_of(np.where(is_chief, 0, size))
-        robots.chosen[:] = buffer_of(np.array(deadlock.cells))
+        goals = np.where(is_chief, deadlock.field.argmin(), NONE)
+        rows = np.where(is_chief, 0, size)
+        write(robots, goals=goals, rows=rows, chosen=np.array(deadlock.cells))
         self._pibt = pibt_of(size, count)
         for cell in deadlock.blocked:
             self._pibt.is_taken[cell] = kernels.CLOSED
         self._epibt = epibt_of(fields.graph.neighbours[:0, :WAIT], 0)  # unused
         self._search = search = lacam.new_search(count)
-        search.ranks[:] = buffer_of(ranks)
-        search.rows[:] = buffer_of(np.where(is_chief, 0, 2 * size))
+        write(search, ranks=ranks, rows=np.where(is_chief, 0, 2 * size))
         first = lacam.slot_of(search, robots.chosen, 0)
         lacam.add(search, robots, self._floor, self._table, NONE, first)
 
@@ -104,12 +103,8 @@ class JointSearch:
 
     def paths(self) -> Integers | None:
         """Return the cells of each before and after each step of the plan, ``[count, T + 1]``."""
-        search, count, cells = self._search, len(self._search.ranks), list[Integers]()
-        node = int(search.counts[lacam.BEST])
-        while node != NONE:
-            cells.append(np.array(search.places[node * count : (node + 1) * count]))
-            node = int(search.parent[node])
-        return np.stack(cells[::-1], axis=1) if cells else None
+        places = lacam.best_places(self._search)
+        return np.array(places).T if places else None
 
 
 class Course:

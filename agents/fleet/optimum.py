@@ -27,7 +27,7 @@ from warehouse_core import Episode, OrderQueue
 from warehouse_core.wording import brief
 from warehouse_core.world.tables import Integers
 
-__all__ = ["Optimum", "most_deliveries"]
+__all__ = ["most_deliveries"]
 
 MAX_MOVES = 100_000
 """Number of moves of a flow beyond which time is counted in units of several steps."""
@@ -55,11 +55,6 @@ class Optimum(NamedTuple):
         most: number of orders; no fleet delivers more.
         is_exact: true if robots that never meet can deliver ``most``; false if it is an upper
             bound.
-
-    Example:
-        >>> from agents.fleet.optimum import Optimum
-        >>> Optimum(most=12, is_exact=True)
-        Optimum(most=12, is_exact=True)
     """
 
     most: int

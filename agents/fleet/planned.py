@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import AgentError, file_of, reason_of
-from agents.fleet.plan_log import PlanLog
 from agents.fleet.scheduler import Scheduler, shares_cell
 from agents.mapf.assignment import ASSIGNMENTS
 from agents.mapf.graph import CLOSED, Graph
+from agents.mapf.kernels.robots import NOBODY
 from agents.mapf.planner import (
     Planner,
     Situation,
@@ -22,7 +24,7 @@ from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
 from warehouse_core.arguments import flag, instance_of, one_of, real_number, with_methods
 from warehouse_core.records import FleetAgent
-from warehouse_core.records.plans import NO_PLANS
+from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.world.actions import DROP, PICK, WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT, TURN_ACTIONS
 from warehouse_core.world.tables import Integers
@@ -59,6 +61,42 @@ def check_headings(planner: Planner, env: FleetEnv) -> None:
             f"planner {type(planner).__name__} does not support headings, which robots "
             'with moves="turn" have; it needs a method next_places'
         )
+
+
+class PlanLog:
+    """Record of a planner's plans for some robots and, with ``pushes``, of who pushes whom.
+
+    Attributes:
+        plans: plans of the steps so far, as ``replay_animation`` takes them.
+    """
+
+    def __init__(self, robots: Sequence[int] = (), pushes: bool = False) -> None:
+        self.plans: list[StepPlans] = []
+        self._robots, self.pushes = robots, pushes
+
+    def add(self, planner: Planner, graph: Graph, situation: Situation, chosen: Integers) -> None:
+        """Record the plans of a step from a situation to the chosen cells, ``[R]``.
+
+        ``graph`` is used if the planner has no ``graph`` of its own.
+        """
+        cells, goals = situation.cells, situation.goals
+        graph, plan_of = getattr(planner, "graph", None) or graph, getattr(planner, "plan_of", None)
+        paths, wishes = dict[int, list[int]](), dict[int, list[int]]()
+        for robot in self._robots:
+            ahead = plan_of(robot) if plan_of else []
+            # A robot that cannot follow its plan waits.
+            is_planned = ahead[:1] == [chosen[robot]]
+            paths[robot] = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
+            wishes[robot] = graph.path(paths[robot][-1], int(goals[robot]))
+        places, wished = (
+            {robot: graph.layout.cells(path) for robot, path in kind.items()}
+            for kind in (paths, wishes)
+        )
+        pushed = dict[int, int]()
+        if self.pushes:
+            pushers = getattr(planner, "pushers", ())
+            pushed = {robot: int(by) for robot, by in enumerate(pushers) if by != NOBODY}
+        self.plans.append(StepPlans(places, wished, pushed))
 
 
 class PlannedFleet:

@@ -10,7 +10,7 @@ mazes, guidance often finds no plan quickly; there, LaCAM is run with other seed
 makespan differs by a factor of 2 to 3 between seeds.
 
 For small teams, CBS and LaCAM* may prove that a plan is optimal. For robots with headings, turns
-are added to a plan without headings. Finally LNS refines the plan.
+are added to the best plan without headings. Finally LNS refines the plan.
 
 Source: Chen, Harabor, Li and Stuckey (2024), Traffic flow optimisation for lifelong multi-agent
 path finding, AAAI, for guidance by traffic.
@@ -27,11 +27,10 @@ from time import perf_counter
 from agents.errors import PlanError
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.kernels.lacam import prepare_solvers
-from agents.mapf.lacam import LaCAM, lacam
+from agents.mapf.lacam import LaCAM, with_turns
 from agents.mapf.lns import Refinement
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.traffic import Traffic
-from agents.mapf.turning import with_turns
 from warehouse_core.world.moves import HEADINGS
 
 __all__ = ["solve_anytime"]
@@ -87,58 +86,42 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
         6
     """
     prepare_solvers()
-    if problem.headings is not None:
-        return _solve_with_turns(problem, seconds, seed, trials)
     begin = perf_counter()
-    deadline = begin + seconds
+    deadline, has_headings = begin + seconds, problem.headings is not None
     search = LaCAM(problem, seed)
     plan = search.run(max(deadline - perf_counter(), 0.0), goes_on=False)
+    if has_headings:
+        share = PLAIN_SHARE * max(deadline - perf_counter(), 0.0)
+        with suppress(PlanError):  # its share may be too short for a plan
+            plain = solve_anytime(replace(problem, headings=None), share, seed, trials)
+            plan = min(plan, with_turns(problem, plain), key=_cost)
     if not can_refine(problem, plan):
         return plan
-    if plan.sum_of_costs > CROWDED * search.lower_bound and problem.robots > SMALL_TEAM:
-        others = _others(problem, plan, seed, begin + OTHERS_SHARE * seconds)
-        plan = min([plan, *others], key=lambda each: each.sum_of_costs)
     if problem.robots <= SMALL_TEAM:
-        with suppress(PlanError):
-            return solve_cbs(problem, PROOF_SHARE * seconds)
+        if not has_headings:
+            with suppress(PlanError):
+                return solve_cbs(problem, PROOF_SHARE * seconds)
         search.search(perf_counter() + PROOF_SHARE * seconds, ROUNDS * trials)
-        plan = search.plan() or plan
+        better = search.plan() or plan
         if search.is_done:
-            return plan
+            return better
+        plan = min(plan, better, key=_cost) if has_headings else better
+    elif plan.sum_of_costs > CROWDED * search.lower_bound and not has_headings:
+        others = _others(problem, plan, seed, begin + OTHERS_SHARE * seconds)
+        plan = min([plan, *others], key=_cost)
     refinement = Refinement(problem, plan, seed, search.steps)
     refinement.run(deadline, trials)
     return refinement.plan()
+
+
+def _cost(plan: Plan) -> int:
+    return plan.sum_of_costs
 
 
 def can_refine(problem: Problem, plan: Plan) -> bool:
     """Return whether a plan has moves and is short enough to be refined."""
     places = problem.graph.size * (1 if problem.headings is None else len(HEADINGS))
     return 0 < plan.makespan * places < MAX_STATES
-
-
-def _solve_with_turns(problem: Problem, seconds: float, seed: int, trials: float) -> Plan:
-    """Return the best plan for robots with headings; see ``solve_anytime``.
-
-    The starting point of the refinement is the best plan without headings, with turns added.
-    """
-    deadline = perf_counter() + seconds
-    plan = lacam(problem, seconds, seed)
-    share = PLAIN_SHARE * max(deadline - perf_counter(), 0.0)
-    with suppress(PlanError):  # its share may be too short for a plan
-        plain = solve_anytime(replace(problem, headings=None), share, seed, trials)
-        plan = min(plan, with_turns(problem, plain), key=lambda each: each.sum_of_costs)
-    if not can_refine(problem, plan):
-        return plan
-    if problem.robots <= SMALL_TEAM:
-        search = LaCAM(problem, seed)
-        search.search(perf_counter() + PROOF_SHARE * seconds, ROUNDS * trials)
-        better = search.plan() or plan
-        if search.is_done:
-            return better
-        plan = min(plan, better, key=lambda each: each.sum_of_costs)
-    refinement = Refinement(problem, plan, seed)
-    refinement.run(deadline, trials)
-    return refinement.plan()
 
 
 def _others(problem: Problem, first: Plan, seed: int, deadline: float) -> Iterator[Plan]:

@@ -3,11 +3,6 @@
 Each function takes ``Tasks`` of ``N`` robots and ``K`` orders and returns ``[N]`` intp: the column
 of the order of each robot, or ``NONE``. No order is assigned to two robots, and no robot gets an
 order that it cannot reach.
-
-Example:
-    >>> from agents.mapf.assignment import ASSIGNMENTS
-    >>> list(ASSIGNMENTS)
-    ['fifo', 'nearest', 'hungarian', 'urgent']
 """
 
 from __future__ import annotations
@@ -18,10 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.renamed import warn_renamed
 from warehouse_core.world.tables import Integers
-
-__all__ = ["ASSIGNMENTS", "Tasks"]
 
 NONE = -1
 """Marks a missing order, robot, charger or cell."""
@@ -59,14 +51,6 @@ class Tasks(NamedTuple):
         due: ``[K]``, the deadline of each order. Orders are sorted by release.
         now: present time.
         held: ``[N]``, the order that each robot is already on its way to, or ``NONE``.
-
-    Example:
-        >>> import numpy as np
-        >>> from agents.mapf.assignment import ASSIGNMENTS, NONE, Tasks
-        >>> times, trips = np.array([[2.0, 9.0], [3.0, 5.0]]), np.array([4.0, 4.0])
-        >>> tasks = Tasks(times, trips, due=np.array([90, 20]), now=0, held=np.array([NONE, NONE]))
-        >>> ASSIGNMENTS["hungarian"](tasks)
-        array([0, 1])
     """
 
     times: NDArray[np.floating]
@@ -74,13 +58,6 @@ class Tasks(NamedTuple):
     due: NDArray[np.floating]
     now: float
     held: Integers
-
-    @property
-    def ways(self) -> NDArray[np.floating]:
-        """The former name of ``times``, which warns."""
-        # A ``Renamed`` cannot be assigned in the body of a named tuple.
-        warn_renamed("Tasks.ways", "times")
-        return self.times
 
 
 Assignment = Callable[[Tasks], NDArray[np.intp]]

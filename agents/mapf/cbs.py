@@ -20,7 +20,8 @@ Sources: Sharon et al. (2015), Conflict-based search for optimal multi-agent pat
 Intelligence 219. Boyarski et al. (2015), ICBS, IJCAI, for the choice of conflicts and for bypasses.
 Felner et al. (2018), Adding heuristics to conflict-based search, ICAPS. Li et al. (2019), Disjoint
 splitting for multi-agent path finding with conflict-based search, ICAPS. Li et al. (2021), Pairwise
-symmetry reasoning for multi-agent path finding search, Artificial Intelligence 301.
+symmetry reasoning for multi-agent path finding search, Artificial Intelligence 301. Sharon et al.
+(2013), The increasing cost tree search, Artificial Intelligence 195, for pairs of MDDs.
 """
 
 from __future__ import annotations
@@ -34,11 +35,8 @@ from time import perf_counter
 from typing import NamedTuple
 
 from agents.errors import PlanError
-from agents.mapf.cell_sets import CellSets, bits_of
-from agents.mapf.clash import delays_of
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.route import Route, TracedPath
-from agents.mapf.rules import Constraint, Rules
+from agents.mapf.route import CellSets, Constraint, Route, Rules, TracedPath, bits_of
 from warehouse_core.wording import counted
 
 __all__ = ["solve_cbs"]
@@ -57,20 +55,29 @@ MAX_BYTES = 500_000_000
 LEAST_KEPT = 4
 """Number of layers and traces per robot that are always kept at first."""
 
+MAX_CELLS = 10_000
+"""Limit on the cells of a robot, summed over all times, for a comparison of two robots.
+
+Beyond it, the two count as robots without a clash. This weakens the bound but keeps it valid.
+"""
+
+MAX_DELAY = 64
+"""Largest delay of a robot that is tested."""
+
 
 class Conflict(NamedTuple):
-    """Two robots in one cell, two robots that swap cells, or two robots that clash.
+    """Two robots in one cell, or two robots that swap cells.
 
     Attributes:
         robots: the two robots.
         time: number of the joint step.
-        cell: cell of the first robot after the step; ``None`` for a clash.
+        cell: cell of the first robot after the step.
         before: cell of the first robot before the step if the two swap cells.
     """
 
     robots: Pair
     time: int
-    cell: int | None
+    cell: int
     before: int | None = None
 
 
@@ -84,7 +91,6 @@ class ConflictNode:
         routes: route of each robot, the set of paths that the constraints allow.
         paths: chosen path of each robot.
         conflicts: conflicts of the paths by pair.
-        split: conflict for which the node has children; ``None`` for leaves.
     """
 
     parent: ConflictNode | None
@@ -92,7 +98,6 @@ class ConflictNode:
     routes: list[Route]
     paths: list[TracedPath]
     conflicts: dict[Pair, list[Conflict]]
-    split: Conflict | None = None
 
     @property
     def cost(self) -> int:
@@ -116,15 +121,12 @@ class ConflictTree:
         PlanError: the robots have headings.
 
     Attributes:
-        problem: problem to solve.
-        nodes: all nodes so far, the root first.
-        solution: node whose paths are the plan, once there is one.
+        nodes: number of nodes so far.
     """
 
     def __init__(self, problem: Problem, w: float = 1.0) -> None:
         problem.refuse_headings("CBS")
-        self.problem, self.w, self.nodes = problem, w, list[ConflictNode]()
-        self.solution: ConflictNode | None = None
+        self.problem, self.w, self.nodes = problem, w, 0
         self._sets, self._deadline = CellSets(problem.graph), inf
         self._starts = [self._sets.bits[cell] for cell in problem.starts]
         self._goals = [self._sets.bits[cell] for cell in problem.goals]
@@ -140,10 +142,10 @@ class ConflictTree:
         """
         self._deadline = perf_counter() + seconds
         try:
-            self.solution, bound = self._grow()
-            return Plan.of([path.cells for path in self.solution.paths], bound)
+            node, bound = self._grow()
+            return Plan.of([path.cells for path in node.paths], bound)
         except TimeoutError:
-            nodes = counted(len(self.nodes), "node")
+            nodes = counted(self.nodes, "node")
             raise PlanError(f"no plan in {seconds:g} s and {nodes} of the conflict tree") from None
 
     def _grow(self) -> tuple[ConflictNode, int]:
@@ -172,7 +174,7 @@ class ConflictTree:
         self._find_conflicts(node, set(range(self.problem.robots)))
         most = self._sets.bytes * _horizon(path.cost for path in node.paths)
         self._most_kept = max(MAX_BYTES // most, LEAST_KEPT * self.problem.robots)
-        self.nodes = [node]
+        self.nodes = 1
         return node
 
     def _late(self, node: ConflictNode) -> dict[Pair, Pair]:
@@ -196,7 +198,7 @@ class ConflictTree:
         A child replaces the paths of its parent if it has fewer conflicts, no higher bound, and a
         cost of at most ``most``.
         """
-        conflict, statement, follows = self._question(node, delays)
+        statement, follows = self._question(node, delays)
         children = []
         for constraints in ((statement,), (statement._replace(holds=True), *follows)):
             child = self._child(node, constraints)
@@ -207,14 +209,13 @@ class ConflictTree:
                 node.paths, node.conflicts = child.paths, child.conflicts
                 return [node]
             children.append(child)
-        node.split = conflict
-        self.nodes += children
+        self.nodes += len(children)
         return children
 
     def _question(
         self, node: ConflictNode, delays: dict[Pair, Pair]
-    ) -> tuple[Conflict, Constraint, list[Constraint]]:
-        """Return the conflict to split, the constraint that decides it, and implied constraints."""
+    ) -> tuple[Constraint, list[Constraint]]:
+        """Return the constraint that splits a node, and what follows if it has to be false."""
         if delays:
             pair = max(delays, key=lambda each: min(delays[each]))
             late = [
@@ -223,7 +224,7 @@ class ConflictTree:
             ]
             if delays[pair][0] < delays[pair][1]:  # ask the robot that would be later
                 late.reverse()
-            return Conflict(pair, late[0].time, None), late[0], late[1:]
+            return late[0], late[1:]
         conflict = min(
             (each for conflicts in node.conflicts.values() for each in conflicts),
             key=lambda each: (_resting(node, each) is None, min(_widths(node, each)), each.time),
@@ -231,12 +232,12 @@ class ConflictTree:
         _, time, cell, before = conflict
         robot = _resting(node, conflict)
         if robot is not None:
-            return conflict, Constraint(robot, time, None), []
+            return Constraint(robot, time, None), []
         one, other = _widths(node, conflict)
         if one >= other:  # ask the robot that has more cells to choose from
-            return conflict, Constraint(conflict.robots[0], time, cell, before), []
+            return Constraint(conflict.robots[0], time, cell, before), []
         cell, before = (cell, None) if before is None else (before, cell)
-        return conflict, Constraint(conflict.robots[1], time, cell, before), []
+        return Constraint(conflict.robots[1], time, cell, before), []
 
     def _child(
         self, node: ConflictNode, constraints: tuple[Constraint, ...]
@@ -316,9 +317,8 @@ class ConflictTree:
         layer = 8 * self._sets.bytes
         for robot in sorted(changed):
             self._look_at_clock()
-            near = (
-                traces[robot] | traces[robot] << layer
-            )  # in a swap, the other robot enters the cell that this one leaves
+            # In a swap, the other robot enters the cell that this one leaves.
+            near = traces[robot] | traces[robot] << layer
             for other, trace in enumerate(traces):
                 if near & trace and other != robot:
                     pair = (robot, other) if robot < other else (other, robot)
@@ -385,13 +385,9 @@ def separate_delays(delays: dict[Pair, Pair]) -> int:
 
 
 def _conflicts(pair: Pair, one: TracedPath, traces: Sequence[int], layer: int) -> list[Conflict]:
-    """Return all conflicts of two robots.
+    """Return all conflicts of two robots, the first of which has the path ``one``.
 
-    Args:
-        pair: numbers of the robots.
-        one: path of the first robot.
-        traces: traces of all robots.
-        layer: number of bits of a trace for each time.
+    ``traces`` holds the trace of each robot, with ``layer`` bits for each time.
     """
     ours, theirs = (traces[robot] for robot in pair)
     times = _times(ours & theirs, layer)
@@ -407,3 +403,78 @@ def _conflicts(pair: Pair, one: TracedPath, traces: Sequence[int], layer: int) -
 def _times(trace: int, layer: int) -> list[int]:
     """Return the times at which a trace has cells."""
     return [(bit.bit_length() - 1) // layer for bit in bits_of(trace)]
+
+
+def delays_of(sets: CellSets, one: Route, other: Route) -> tuple[int, int] | None:
+    """Return delays of two robots, such that in every plan one of them is at least that late.
+
+    Both are 1 or more. ``None`` means that the robots do not clash. For each cell of one robot at a
+    time, the search keeps the set of cells of the other robot. It thus detects the symmetries of
+    rectangles, targets and corridors without testing for each of them.
+    """
+    known: dict[tuple[int, int], bool] = {}
+
+    def clash(our: int, their: int) -> bool:
+        """Return whether the robots clash even if each may be late by less than its delay."""
+        if max(our, their) > MAX_DELAY:
+            return False
+        if (our, their) not in known:
+            known[our, their] = _clash(sets, one.layers(our - 1), other.layers(their - 1))
+        return known[our, their]
+
+    if not clash(1, 1):
+        return None
+    ours = theirs = 1
+    for a, b in ((1, 1), (1, 0), (0, 1)):
+        more = 1
+        while clash(ours + a * more, theirs + b * more):
+            ours, theirs, more = ours + a * more, theirs + b * more, 2 * more
+        while more := more // 2:
+            if clash(ours + a * more, theirs + b * more):
+                ours, theirs = ours + a * more, theirs + b * more
+    return ours, theirs
+
+
+def _clash(sets: CellSets, ours: list[int], theirs: list[int]) -> bool:
+    """Return whether every two paths through layers have a conflict."""
+    if sum(map(int.bit_count, ours)) > sum(map(int.bit_count, theirs)):
+        ours, theirs = theirs, ours  # enumerate the cells of the robot that has fewer
+    end = max(len(ours), len(theirs))
+    ours, theirs = ours + ours[-1:] * (end - len(ours)), theirs + theirs[-1:] * (end - len(theirs))
+    near = [
+        time
+        for time in range(1, end)
+        if ours[time] & theirs[time]
+        or (ours[time] & theirs[time - 1] and ours[time - 1] & theirs[time])
+    ]
+    if not near:
+        return False
+    begin, looked_at = near[0] - 1, 0
+    with_us = dict.fromkeys(bits_of(ours[begin]), theirs[begin])
+    for time in range(near[0], near[-1] + 1):
+        looked_at += len(with_us)
+        if looked_at > MAX_CELLS:
+            return False
+        with_us = _after(sets, with_us, ours[time], theirs[time])
+        if not with_us:
+            return True
+    return False
+
+
+def _after(sets: CellSets, with_us: dict[int, int], our: int, their: int) -> dict[int, int]:
+    """Return the cells of the other robot for each cell of this one, a step after ``with_us``.
+
+    After the step, this robot may be in the cells ``our``, and the other one in ``their``.
+    """
+    after: dict[int, int] = {}
+    for before, cells in with_us.items():
+        reached = sets.spread(cells) & their
+        for cell in sets.steps_from(before):
+            if cell & our:
+                there = reached & ~cell
+                # They must not swap cells: the other must not come from this robot's new cell.
+                if there & before and cell & cells and not sets.spread(before) & cells & ~cell:
+                    there ^= before
+                if there:
+                    after[cell] = after.get(cell, 0) | there
+    return after

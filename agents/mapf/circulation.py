@@ -8,14 +8,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
-from agents.mapf.headed import HeadedFields
+from agents.mapf.graph import CLOSED, Fields, Graph, HeadedFields, robots_in
 from agents.mapf.kernels.auction import Auction, auction_of, choose_first
-from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.buffers import write
 from agents.mapf.kernels.places import FAR, NONE
 from agents.mapf.kernels.robots import NOBODY, robots_of
-from agents.mapf.memory import Memory
-from agents.mapf.planner import PlacePlanner, Situation
+from agents.mapf.planner import Memory, PlacePlanner, Situation
 from warehouse_core.arguments import instance_of, seed_number, whole_number
 from warehouse_core.compiled import prepare
 from warehouse_core.world.actions import WAIT
@@ -104,13 +102,12 @@ class Circulation(PlacePlanner):
         )
         rests = (goals == cells) | (self.fields.matrix[rows, places] >= FAR)
         rests |= waits_for_exits(self._outward, cells, goals)
-        for kept, new in (
-            (auction.here, places), (auction.aims, kept_aims(self.graph.size, cells, aims)),
-            (auction.rests, rests), (robots.goals, np.where(rests, cells, goals)),
-            (robots.rows, rows * self.fields.matrix.shape[1]), (auction.weights, weights),
-            (robots.stays, stays), (robots.is_closed, is_closed),
-        ):  # fmt: skip
-            kept[:] = buffer_of(new.astype(np.int64))
+        write(
+            robots, goals=np.where(rests, cells, goals), rows=rows * self.fields.matrix.shape[1],
+            stays=stays, is_closed=is_closed,
+        )  # fmt: skip
+        aims = kept_aims(self.graph.size, cells, aims)
+        write(auction, here=places, aims=aims, rests=rests, weights=weights)
 
 
 def auction_on(fields: Fields, robots: int, unit: int) -> Auction:

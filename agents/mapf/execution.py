@@ -22,8 +22,6 @@ from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Robo
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import ARRIVED
 
-__all__ = ["Execution", "drive_steps", "drive_through"]
-
 PATIENCE = 10.0
 """Seconds without any movement after which the robots count as deadlocked, apart from stops."""
 
@@ -45,14 +43,6 @@ class Execution(NamedTuple):
         joules: energy of all bodies until then.
         hits: number of hits. A hit between two robots counts for both.
         arrivals: ``[R]``, seconds until each body is at rest in its last cell for good.
-
-    Example:
-        >>> from agents.mapf.execution import drive_through
-        >>> from agents.mapf.problem import Plan
-        >>> from warehouse_core import Layout
-        >>> execution = drive_through(Layout(["..."]), Plan.of([[0, 1, 2]]).cells)
-        >>> round(execution.seconds, 1), execution.hits
-        (3.0, 0)
     """
 
     seconds: float
@@ -79,14 +69,6 @@ def drive_through(
         PlanError: all robots have stopped before all have arrived. The message names robots.
         LayoutError: a robot starts in a wall or in the cell of another robot.
         ValueError: a joint step has a conflict, or the robots are too wide to follow each other.
-
-    Example:
-        >>> from agents.mapf.execution import drive_steps, drive_through
-        >>> from agents.mapf.problem import Plan
-        >>> from warehouse_core import Layout
-        >>> layout, plan = Layout(["...."]), Plan.of([[0, 1, 2, 3]]).cells
-        >>> drive_through(layout, plan).seconds < drive_steps(layout, plan).seconds
-        True
     """
     motion = DrivingMotion(spec, disturbances, path_every=1)
     cells = [*map(layout.cells, plan)]
@@ -119,13 +101,6 @@ def drive_steps(
         PlanError: robots cannot carry out a step. The message names them.
         LayoutError: as for ``drive_through``.
         ValueError: a robot is to move by more than a cell.
-
-    Example:
-        >>> from agents.mapf.execution import drive_steps
-        >>> from agents.mapf.problem import Plan
-        >>> from warehouse_core import Layout
-        >>> round(drive_steps(Layout(["..."]), Plan.of([[0, 1, 2]]).cells).seconds, 1)
-        4.0
     """
     motion, cells = RigidBodyMotion(spec, disturbances), [*map(layout.cells, plan)]
     motion.reset(layout, cells[0], seed=0)

@@ -14,14 +14,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, table_of
-from agents.mapf.kernels.places import FAR, NONE, Places, measure
+from agents.mapf.kernels.buffers import Table, buffer, buffer_of, table_of
+from agents.mapf.kernels.places import (
+    ACTIONS,
+    FAR,
+    NONE,
+    STAY,
+    Places,
+    Reverse,
+    measure,
+)
 from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.compiled import IS_COMPILED, prepare
 from warehouse_core.renamed import Renamed
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.edges import Edges
 from warehouse_core.world.layout import Layout
+from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
 __all__ = ["Graph"]
@@ -51,6 +60,12 @@ MAX_PRICE = 100_000
 
 NO_ROW = -1
 """Row of a goal that has no field in ``Fields``."""
+
+SQUARE = 4
+"""Side of a square of cells whose distances are close together in memory.
+
+A robot reads the distances ahead and to its sides, which then share fewer cache lines.
+"""
 
 
 class Graph:
@@ -286,8 +301,7 @@ class Fields:
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
         """Write the distances of all places from a goal into a field."""
         if self._is_compiled:
-            field[:] = FAR
-            measure(self.floor, goal, table_of(field), *self._buckets)
+            measure(self._reverse, goal, table_of(field))
         else:
             field[:] = self._distances(goal)
 
@@ -351,10 +365,22 @@ class Fields:
         return here, facing
 
     @cached_property
-    def _buckets(self) -> tuple[Buffer, Buffer, Buffer]:
-        """Buffers for the buckets of ``measure``."""
-        price, room = int(self.prices.max()), WAIT * (self.graph.places + 1)
-        return buffer(price + 1, NONE), buffer(room), buffer(room)
+    def _reverse(self) -> Reverse:
+        """The steps of ``near`` in reverse direction."""
+        return self._reverse_of(np.arange(self.graph.size), WAIT)
+
+    def _reverse_of(self, numbers: Integers, ways: int) -> Reverse:
+        """Return the steps of ``near`` in reverse, given the numbers of places and of moves."""
+        start, action = np.nonzero(self.near[:, :ways] != self.graph.places)
+        into = numbers[self.near[start, action]] * ways + action
+        behind, price = np.full((2, (numbers.max() + 1) * ways), NONE, np.int32)
+        behind[into], price[into] = numbers[start], self.prices[start, action]
+        entries, below = np.empty((2, WAIT * (numbers.max() + 1)), np.int32)
+        return Reverse(
+            headings=self.graph.places // self.graph.size, turn=self.step,
+            behind=table_of(behind), price=table_of(price), entries=table_of(entries),
+            below=table_of(below), heads=buffer(int(self.prices.max()) + 1, NONE),
+        )  # fmt: skip
 
     def _free_rows(self, goals: Integers, number: int) -> None:
         """Free ``number`` rows: rows of old goals if new rows would exceed ``MAX_BYTES``."""
@@ -374,3 +400,64 @@ class Fields:
             self.matrix[: len(kept)] = kept
         self._free += range(self._used, used)
         self._used = used
+
+
+class HeadedFields(Fields):
+    """Distances between places, where each move and each quarter turn takes a step.
+
+    The actions of ``near`` and ``prices`` are ``FORWARD``, ``RIGHT``, ``LEFT``, one that leads
+    nowhere, and waiting.
+
+    Args:
+        graph: floor. A turn takes one step, whatever its ``turn_cost`` is.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        super().__init__(graph.with_costs(graph.costs, 1.0), graph)
+        self._leads_back = True
+        if graph.costs is None:
+            self.step = 1
+        rows, columns = np.divmod(graph.layout.open_cells, graph.layout.width)
+        self._cells = graph.layout.open_cells[np.lexsort((columns // SQUARE, rows // SQUARE))]
+        self._columns = np.zeros(graph.size, np.intp)
+        self._columns[self._cells] = np.arange(len(self._cells))
+        self._field = np.empty((len(self._cells), WAIT), np.int32)
+
+    @cached_property
+    def near(self) -> Integers:
+        """Place that each action leads to from each place, ``[places, 5]``, or ``places``."""
+        graph, places = self._rounded, np.arange(self._rounded.places).reshape(WAIT, -1)
+        result = np.full((*places.shape, ACTIONS), graph.places)
+        ahead = graph.neighbours[:, :WAIT].T
+        is_shut = (ahead == CLOSED) | np.isin(ahead, list(graph.closed))
+        result[..., FORWARD] = np.where(is_shut, graph.places, ahead + places[:, :1])
+        result[..., RIGHT], result[..., LEFT] = (
+            np.roll(places, -1, axis=0),
+            np.roll(places, 1, axis=0),
+        )
+        result[..., STAY] = places
+        return result.reshape(-1, ACTIONS)
+
+    @cached_property
+    def prices(self) -> Integers:
+        """Costs of the steps of ``near``, ``[places, 5]``."""
+        graph = self._rounded
+        result = np.full((WAIT, graph.size, ACTIONS), self.step)
+        if graph.costs is not None:
+            result[..., FORWARD] = np.rint(graph.costs.T * self.step)
+        return result.reshape(-1, ACTIONS)
+
+    def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
+        """Write the distances of all places from a goal into a field."""
+        if self._is_compiled:
+            measure(self._reverse, int(self._columns[goal]), table_of(self._field))
+            field[:] = FAR
+            field.reshape(WAIT, -1)[:, self._cells] = self._field.T
+        else:
+            field[:] = self._distances(goal)
+
+    @cached_property
+    def _reverse(self) -> Reverse:
+        """The steps of ``near`` in reverse direction."""
+        here, facing = self._stands
+        return self._reverse_of(self._columns[here] * WAIT + facing, FORWARD + 1)

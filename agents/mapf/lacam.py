@@ -18,17 +18,18 @@ from time import perf_counter
 import numpy as np
 
 from agents.errors import PlanError
+from agents.mapf.graph import robots_in
 from agents.mapf.kernels import lacam as kernels
-from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.buffers import write
 from agents.mapf.kernels.epibt import epibt_of
 from agents.mapf.kernels.lacam import prepare_solvers
 from agents.mapf.kernels.pibt import pibt_of
 from agents.mapf.kernels.places import NONE
-from agents.mapf.kernels.robots import robots_of
+from agents.mapf.kernels.robots import NOBODY, robots_of
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.turning import with_turns
 from warehouse_core.wording import counted
 from warehouse_core.world.actions import WAIT
+from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tables import Integers
 
 __all__ = ["lacam", "lacam_star"]
@@ -107,7 +108,7 @@ class LaCAM:
         step_rows = self.steps.rows(goals) * fields.graph.places
         self._floor, self._fields, self._steps = fields.floor, fields.table, self.steps.table
         self._robots = robots = robots_of(graph.size, problem.robots, seed)
-        robots.goals[:], robots.rows[:] = buffer_of(goals), buffer_of(rows)
+        write(robots, goals=goals, rows=rows, chosen=problem.places)
         self._pibt = pibt_of(graph.size, problem.robots, is_final=True)
         ahead = graph.neighbours[:, :WAIT]
         is_used = problem.headings is not None
@@ -116,8 +117,7 @@ class LaCAM:
         self.lower_bound = int(left.sum())
         ranks = np.argsort(-left, kind="stable")
         self._search = search = kernels.new_search(problem.robots)
-        search.ranks[:], search.rows[:] = buffer_of(ranks), buffer_of(step_rows)
-        robots.chosen[:] = buffer_of(problem.places)
+        write(search, ranks=ranks, rows=step_rows)
         first = kernels.slot_of(search, robots.chosen, 0)
         kernels.add(search, robots, self._floor, self._steps, NONE, first)
 
@@ -171,17 +171,11 @@ class LaCAM:
     def plan(self) -> Plan | None:
         """Return the best plan so far."""
         search, robots = self._search, self.problem.robots
-        best = node = int(search.counts[kernels.BEST])
-        if node == NONE:
+        best = int(search.counts[kernels.BEST])
+        if best == NONE:
             return None
-        places = list[object]()
-        while node != NONE:
-            places.append(search.places[node * robots : (node + 1) * robots])
-            node = int(search.parent[node])
-        places_by_step = np.array(places[::-1], np.int64).reshape(len(places), robots)
-        return self.problem.plan_of(
-            places_by_step, int(search.cost[best]) if self.is_done else None
-        )
+        places = np.array(kernels.best_places(search), np.int64).reshape(-1, robots)
+        return self.problem.plan_of(places, int(search.cost[best]) if self.is_done else None)
 
     def _begin_with(self, places_by_step: Integers) -> None:
         """Add the configurations of a plan, ``[T + 1, R]`` places, and restart from the first."""
@@ -189,7 +183,7 @@ class LaCAM:
         for places in places_by_step[1:]:
             if kernels.is_full(self._search):
                 self._search = kernels.enlarged_search(self._search)
-            robots.chosen[:] = buffer_of(places)
+            write(robots, chosen=places)
             slot = kernels.slot_of(self._search, robots.chosen, 0)
             after = int(self._search.table[slot]) - 1
             if after == NONE:
@@ -200,3 +194,56 @@ class LaCAM:
             node = after
         self._search.counts[kernels.BEST] = node
         kernels.push(self._search, 0)
+
+
+def with_turns(problem: Problem, plan: Plan) -> Plan:
+    """Return the plan for robots with headings that follows from a plan without headings.
+
+    Each robot passes the cells of the given plan, and the robots pass each cell in the order of the
+    given plan, so that all arrive. Apart from that, each robot turns and moves as soon as possible.
+    """
+    graph, cells = problem.graph, plan.cells
+    robots = cells.shape[1]
+    mover, time = np.nonzero((cells[1:] != cells[:-1]).T)
+    here, to = cells[time, mover], cells[time + 1, mover]
+    course = (graph.neighbours[here, :WAIT] == to[:, None]).argmax(axis=1)
+    before = visits_before(cells[0], to, time)
+    move, end = np.searchsorted(mover, [np.arange(robots), np.arange(1, robots + 1)])
+    cell, headings = cells[0].copy(), np.array(problem.headings, np.intp)
+    left = np.zeros(graph.size, np.intp)  # finished visits of each cell
+    robot_in = robots_in(graph.size, cell)
+    all_cells, all_headings = [cell.copy()], [headings.copy()]
+    while (active := np.flatnonzero(move < end)).size:
+        quarters = (course[move[active]] - headings[active]) % len(HEADINGS)
+        ready = active[quarters == 0]
+        goes = np.zeros(robots, np.bool_)
+        goes[ready] = True
+        while True:  # robots in a chain or a ring move at the same time or not at all
+            ahead = to[move[ready]]
+            missing, front = before[move[ready]] - left[ahead], robot_in[ahead]
+            is_free = (missing == 0) | ((missing == 1) & (front != NOBODY) & goes[front])
+            if is_free.all():
+                break
+            goes[ready[~is_free]] = False
+            ready = ready[is_free]
+        headings[active] += np.where(quarters == len(HEADINGS) - 1, -1, np.sign(quarters))
+        headings %= len(HEADINGS)
+        left[cell[ready]] += 1
+        robot_in[cell[ready]] = NOBODY
+        cell[ready] = to[move[ready]]
+        robot_in[cell[ready]] = ready
+        move[ready] += 1
+        all_cells.append(cell.copy())
+        all_headings.append(headings.copy())
+    return Plan(np.array(all_cells), headings=np.array(all_headings))
+
+
+def visits_before(starts: Integers, to: Integers, time: Integers) -> Integers:
+    """Return the number of visits to each entered cell before the move, including starts."""
+    cell = np.concatenate([starts, to])
+    when = np.concatenate([np.full(len(starts), -1), time])
+    order = np.lexsort((when, cell))
+    in_order = cell[order]
+    number = np.empty(len(cell), np.intp)
+    number[order] = np.arange(len(cell)) - np.searchsorted(in_order, in_order)
+    return number[len(starts) :]

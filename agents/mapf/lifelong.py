@@ -14,7 +14,7 @@ from agents.mapf.graph import EAST, Graph
 from agents.mapf.planner import NO_CELLS, Planner, Situation, next_steps
 from warehouse_core.world.tables import Integers
 
-__all__ = ["LifelongRun", "run_lifelong"]
+__all__ = ["run_lifelong"]
 
 NewGoals = Callable[[Integers, Integers], Integers]
 """Function that returns new goals, ``[R]``, from the cells after a step and the current goals.
@@ -28,16 +28,6 @@ class LifelongRun:
     """Record of a lifelong run: the cells and goals of the robots, each ``[T + 1, R]``.
 
     The array ``seconds``, ``[T]``, has the processor time of the planner in each step.
-
-    Example:
-        >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.lifelong import run_lifelong
-        >>> from agents.mapf.pibt import PIBT
-        >>> from warehouse_core import random_layout
-        >>> graph = Graph(random_layout(12, 12, 0.2, seed=1))
-        >>> run = run_lifelong(graph, PIBT(graph), robots=8, steps=50, seed=1)
-        >>> run.cells.shape, run.reached
-        ((51, 8), 48)
     """
 
     cells: Integers

@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from agents.mapf.graph import Fields
-from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.buffers import write
 from agents.mapf.kernels.lacam import prepare_solvers
 from agents.mapf.kernels.lns import improve_until, new_groups
 from agents.mapf.kernels.space_time_astar import new_frontier, new_routes, reserve_only
@@ -41,8 +41,7 @@ class Refinement:
         places = plan.places(graph)
         places = np.concatenate([places, np.repeat(places[-1:], SLACK, axis=0)])
         np.asarray(routes.places)[:] = places.T.ravel()
-        for kept, new in (routes.goals, goals), (routes.rows, rows), (routes.costs, plan.costs):
-            kept[:] = buffer_of(new)
+        write(routes, goals=goals, rows=rows, costs=plan.costs)
         reserve_only(self._floor, routes, np.arange(robots))
         self._frontier = new_frontier(self._floor, routes)
         self._groups = new_groups(robots, times, seed)

@@ -6,17 +6,15 @@ import numpy as np
 
 from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
 from agents.mapf.kernels import pibt as kernels
-from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.buffers import write
 from agents.mapf.kernels.pibt import CHANCE_KEY, CHOSEN, STEP_KEY, WAIT_KEY, choose, pibt_of
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, robots_of
-from agents.mapf.memory import Memory
-from agents.mapf.planner import PlacePlanner, Situation, solve_by_steps
-from agents.mapf.problem import Plan, Problem
+from agents.mapf.planner import Memory, PlacePlanner, Situation
 from warehouse_core.arguments import instance_of, seed_number
 from warehouse_core.compiled import prepare
 from warehouse_core.world.tables import Integers
 
-__all__ = ["PIBT", "pibt"]
+__all__ = ["PIBT"]
 
 
 class PIBT(PlacePlanner):
@@ -76,15 +74,12 @@ class PIBT(PlacePlanner):
         is_taken[closed] = kernels.CLOSED
         is_taken[cells[stays]] = CHOSEN
         robot_in = robots_in(self.graph.size, cells)
-        rows = self.fields.rows(goals)
         robots, pibt = self._robots, self._pibt
-        for kept, new in (
-            (robots.places, places), (robots.goals, goals), (robots.rows, rows * self.graph.places),
-            (robots.order, order), (pibt.pushers, np.full(len(cells), NOBODY)),
-            (robots.chosen, np.where(stays, places, UNDECIDED)), (robots.robot_in, robot_in),
-            (pibt.is_taken, is_taken),
-        ):  # fmt: skip
-            kept[:] = buffer_of(new)
+        write(
+            robots, places=places, goals=goals, rows=self.fields.rows(goals) * self.graph.places,
+            order=order, chosen=np.where(stays, places, UNDECIDED), robot_in=robot_in,
+        )  # fmt: skip
+        write(pibt, is_taken=is_taken, pushers=np.full(len(cells), NOBODY))
         choose(self.fields.floor, robots, pibt, self.fields.table)
         self.pushers = np.array(pibt.pushers)
         return np.array(robots.chosen)
@@ -159,21 +154,3 @@ class PlainPIBT:
         if here == goal:
             keys[here] = -1
         return sorted(keys, key=keys.__getitem__)
-
-
-def pibt(problem: Problem, seconds: float, seed: int = 0) -> Plan:
-    """Return the plan that results when PIBT moves all robots until all are at their goals.
-
-    Raises:
-        PlanError: this did not happen in time, although a plan may exist.
-
-    Example:
-        >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.pibt import pibt
-        >>> from agents.mapf.problem import Problem
-        >>> from warehouse_core import Layout
-        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
-        >>> pibt(problem, seconds=10).makespan
-        5
-    """
-    return solve_by_steps(PIBT(problem.graph, seed), problem, seconds)

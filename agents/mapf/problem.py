@@ -4,11 +4,6 @@
 moves to a neighbour of its cell or waits. A robot with a heading moves to the cell ahead, turns by
 a quarter in its cell, or waits. Two robots must not be in one cell, nor swap cells. A robot may
 follow another one into the cell that it leaves, and three or more robots may rotate in a ring.
-
-Example:
-    >>> from agents.mapf.lacam import lacam
-    >>> from agents.mapf.problem import Solver
-    >>> solve: Solver = lacam
 """
 
 from __future__ import annotations
@@ -20,12 +15,11 @@ from functools import cached_property
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.graph import Fields, Graph
-from agents.mapf.headed import HeadedFields
+from agents.mapf.graph import Fields, Graph, HeadedFields
 from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tables import Integers
 
-__all__ = ["Plan", "Problem", "Solver"]
+__all__ = ["Plan", "Problem"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Routes: all short enough paths of one robot that satisfy its constraints.
+"""Routes: all short enough paths of one robot under the constraints of a node of CBS.
 
 A route is stored as layers, one set of cells for each time. The layers of the cheapest paths are a
 *multi-valued decision diagram* (MDD).
@@ -8,10 +8,157 @@ Source: Sharon et al. (2013), The increasing cost tree search, Artificial Intell
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from math import inf
+from typing import NamedTuple
 
-from agents.mapf.cell_sets import CellSets, bits_of
-from agents.mapf.rules import Rules, step
+from agents.mapf.graph import Graph
+
+Moves = dict[int, dict[int, int]]
+"""Forbidden moves by time and cell: the cells that must not be combined with this cell."""
+
+
+class CellSets:
+    """The sets of cells of a floor as whole numbers with one bit for each cell.
+
+    One bit operation moves a robot from all cells that it may be in.
+
+    A column of wall is added on the right, so that no move leads from one row into the next.
+
+    Attributes:
+        bits: set with only this cell, for each cell number.
+        open: set of all open cells.
+        row: distance between the bits of a cell and of the cell below it.
+        bytes: largest number of bytes of a set.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        layout = graph.layout
+        self.row = layout.width + 1
+        self.bits = [1 << cell + cell // layout.width for cell in range(graph.size)]
+        self.open = self.of(set(layout.open_cells.tolist()) - graph.closed)
+        self.bytes = self.row * layout.height // 8 + 1
+        self._steps_from: dict[int, list[int]] = {}
+
+    def of(self, cells: Iterable[int]) -> int:
+        """Return the set of some cells."""
+        union = 0
+        for cell in cells:
+            union |= self.bits[cell]
+        return union
+
+    def cell(self, bit: int) -> int:
+        """Return the number of the only cell in a set."""
+        place = bit.bit_length() - 1
+        return place - place // self.row
+
+    def spread(self, cells: int) -> int:
+        """Return the cells that a robot can reach in a step, from any of these."""
+        row = self.row
+        return (cells | cells << 1 | cells >> 1 | cells << row | cells >> row) & self.open
+
+    def steps_from(self, bit: int) -> list[int]:
+        """Return the cells that a robot in a cell can reach in a step, each as a set of its own."""
+        key = bit.bit_length()
+        if key not in self._steps_from:
+            self._steps_from[key] = list(bits_of(self.spread(bit)))
+        return self._steps_from[key]
+
+
+def bits_of(cells: int) -> Iterator[int]:
+    """Yield the cells of a set, each as a set of its own."""
+    while cells:
+        bit = cells & -cells
+        yield bit
+        cells ^= bit
+
+
+class Constraint(NamedTuple):
+    """A statement about a robot's path, and whether it must be true or false.
+
+    Attributes:
+        robot: number of the robot.
+        time: number of the joint step.
+        cell: cell of the robot after the step; ``None`` states that it has arrived by then.
+        before: cell of the robot before the step; ``None`` states nothing about it.
+        holds: true for a positive constraint, with which other robots have to keep away; false for
+            a negative one.
+    """
+
+    robot: int
+    time: int
+    cell: int | None
+    before: int | None = None
+    holds: bool = False
+
+
+class Rules:
+    """The rules of a robot, which is at its start at the time 0 and finally stays at its goal.
+
+    Attributes:
+        least: earliest time at which the robot may have arrived for good.
+        most: latest time at which the robot may have arrived for good.
+        closed: cells in which the robot must not be at a time.
+        ends: cells in which the robot must not be from a time on.
+        into: cells from which the robot must not enter a cell, by time of arrival.
+        out_of: cells that the robot must not enter from a cell, by time of arrival.
+        latest: time after which the rules do not change.
+    """
+
+    def __init__(self) -> None:
+        self.least, self.most, self.latest = 0, inf, 0
+        self.closed = defaultdict[int, int](int)
+        self.ends = defaultdict[int, int](int)
+        self.into: Moves = {}
+        self.out_of: Moves = {}
+
+    def add(self, sets: CellSets, rule: Constraint, is_own: bool, goal: int) -> None:
+        """Add the consequences of a constraint for the robot.
+
+        Args:
+            sets: sets of the floor.
+            rule: constraint on this robot if ``is_own``, else a positive one on another robot.
+            is_own: see above.
+            goal: goal of the constraint's robot.
+        """
+        time, must = rule.time, is_own and rule.holds
+        self.latest = max(self.latest, time)
+        if rule.cell is None:
+            if not is_own:
+                self.ends[time] |= goal
+            elif must:
+                self.most = min(self.most, time)
+            else:
+                self.least = max(self.least, time + 1)
+            return
+        places = [(time, sets.bits[rule.cell])]
+        if rule.before is not None:
+            places.append((time - 1, sets.bits[rule.before]))
+            if not must:
+                (_, to), (_, before) = reversed(places) if rule.holds else places
+                for moves, one, other in ((self.into, to, before), (self.out_of, before, to)):
+                    here = moves.setdefault(time, {})
+                    here[one] = here.get(one, 0) | other
+        if rule.before is None or rule.holds:
+            for when, cell in places:
+                self.closed[when] |= sets.open ^ cell if must else cell
+
+    def arrival(self, goal: int) -> int:
+        """Return the first time from which the robot can stay at its goal."""
+        return max([self.least, *(time + 1 for time, each in self.closed.items() if each & goal)])
+
+
+def step(sets: CellSets, cells: int, barred: dict[int, int] | None) -> int:
+    """Return the cells of a robot after a step or, given ``out_of`` moves, before the step.
+
+    ``barred`` are the moves that are forbidden in the step.
+    """
+    reached = sets.spread(cells)
+    for cell, others in barred.items() if barred else ():
+        if not sets.spread(cell) & cells & ~others:
+            reached &= ~cell
+    return reached
 
 
 class TracedPath:
@@ -84,10 +231,7 @@ class Route:
     def quietest(self, others: Sequence[TracedPath], horizon: int, slack: int) -> TracedPath:
         """Return the path with the fewest conflicts, at most ``slack`` dearer than the cheapest.
 
-        Args:
-            others: paths of the other robots.
-            horizon: time after which all of them stay where they are.
-            slack: see above.
+        After the time ``horizon``, all of the others stay where they are.
         """
         sets, size, layers = self._sets, self._sets.bytes, self.layers(slack)
         union = 0

@@ -23,8 +23,6 @@ from warehouse_core.world.actions import WAIT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
 
-__all__ = ["learned_costs"]
-
 FIRST_WRONG_WAY = 1.5
 """Cost of a move against its lane in the first trial of learned costs."""
 
@@ -72,12 +70,6 @@ def learned_costs(
     new costs follow from the mean traffic of the trials, and are highest where robots would meet
     head-on. The first trial has the given seed, and each next trial the next seed. See
     ``run_lifelong`` for the other arguments and for errors.
-
-    Example:
-        >>> from agents.mapf.traffic import learned_costs
-        >>> from warehouse_core import shelf_layout
-        >>> learned_costs(shelf_layout(aisle=2), robots=8, trials=2, steps=20).shape
-        (220, 4)
     """
     learned = Traffic(layout)
     for trial in range(seed, seed + trials):

@@ -20,9 +20,8 @@ from typing import Any
 import numpy as np
 
 from agents.mapf.circulation import auction_on, dead_ends, waits_for_exits
-from agents.mapf.graph import Fields, Graph, robots_in
-from agents.mapf.headed import HeadedFields
-from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.graph import Fields, Graph, HeadedFields, robots_in
+from agents.mapf.kernels.buffers import buffer_of, write
 from agents.mapf.kernels.epibt import epibt_of
 from agents.mapf.kernels.lns import PORTION, improve, improve_until, new_groups, renew
 from agents.mapf.kernels.pibt import pibt_of
@@ -37,8 +36,7 @@ from agents.mapf.kernels.space_time_astar import (
     reserve,
     reserve_only,
 )
-from agents.mapf.memory import Memory
-from agents.mapf.planner import PlacePlanner, Situation
+from agents.mapf.planner import Memory, PlacePlanner, Situation
 from warehouse_core.arguments import (
     instance_of,
     real_number,
@@ -189,11 +187,12 @@ class WindowedPlanner(PlacePlanner):
         self._order = buffer_of(self._memory.order(cells, goals, situation.urgent))
         self._is_undelayed = np.zeros(len(cells), np.intp)
         self._is_undelayed[situation.undelayed] = 1
-        self._groups.is_in[:] = buffer_of(self._is_undelayed)
-        robots = self._robots
-        robots.goals[:], robots.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
-        robots.stays[:] = buffer_of(situation.stays.astype(np.intp))
-        robots.is_closed[:] = buffer_of(self.graph.closed_with(situation.closed))
+        write(self._groups, is_in=self._is_undelayed)
+        is_closed = self.graph.closed_with(situation.closed)
+        write(
+            self._robots, goals=goals, rows=rows * graph.places, stays=situation.stays,
+            is_closed=is_closed,
+        )  # fmt: skip
         passing = [cell for cell in situation.closed.tolist() if cell not in self.graph.closed]
         self._routes = self._routes._replace(closed=buffer_of(np.array(passing, np.intp)))
 

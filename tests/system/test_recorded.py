@@ -265,7 +265,7 @@ def planners() -> Lines:
             except PlanError as error:
                 yield str(error)
             else:
-                yield f"{len(tree.nodes)} nodes {plan.costs} {plan.cells.tolist()}"
+                yield f"{tree.nodes} nodes {plan.costs} {plan.cells.tolist()}"
 
 
 def signs() -> Lines:

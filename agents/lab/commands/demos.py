@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from agents.fleet.plan_log import PlanLog
-from agents.fleet.planned import PlannedFleet
+from agents.fleet.planned import PlanLog, PlannedFleet
 from agents.lab.console import options
 from agents.lab.console.main import help_of
 from agents.lab.console.output import Film, save_picture, show_or_save, unused

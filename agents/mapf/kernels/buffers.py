@@ -31,6 +31,12 @@ def buffer_of(numbers: NDArray[np.integer]) -> Buffer:
     return cast(Buffer, flat.astype(np.int64)) if IS_COMPILED else flat.tolist()
 
 
+def write(record: Any, **numbers: NDArray[Any]) -> None:
+    """Write whole numbers or flags into buffers of a record, by the names of the buffers."""
+    for name, each in numbers.items():
+        getattr(record, name)[:] = buffer_of(each.astype(np.int64))
+
+
 def table_of(numbers: NDArray[np.int32]) -> Table:
     """Return a table that shares the memory of a contiguous array."""
     flat = numbers.reshape(-1)

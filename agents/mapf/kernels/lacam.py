@@ -123,6 +123,15 @@ def enlarged_search(search: Search) -> Search:
     return search
 
 
+def best_places(search: Search) -> list[Buffer]:
+    """Return the places of the robots before and after each step of the best plan, if any."""
+    count, node, places = len(search.ranks), int(search.counts[BEST]), list[Buffer]()
+    while node != NONE:
+        places.append(search.places[node * count : (node + 1) * count])
+        node = int(search.parent[node])
+    return places[::-1]
+
+
 @kernel
 def is_full(search: Search) -> bool:
     """Return whether the buffers lack room for another configuration or another edge."""

@@ -54,63 +54,23 @@ class Places(NamedTuple):
     step: int
 
 
-@kernel
-def measure(
-    floor: Places, goal: int, field: Table, heads: Buffer, entries: Buffer, below: Buffer
-) -> None:
-    """Write the cost of the cheapest path from each place to a goal into a field.
+class Reverse(NamedTuple):
+    """The steps between places in reverse direction, and buffers of ``measure``.
 
-    The search is Dijkstra's with buckets in place of a heap (Dial, 1969).
-
-    Args:
-        floor: floor whose places are cells.
-        goal: cell that has the distance 0.
-        field: ``[places]``, all ``FAR`` before.
-        heads: last entry of each bucket, all ``NONE`` before. There is one bucket more than the
-            highest price, and the buckets are used cyclically.
-        entries: ``[places * 4 + 4]``, places in buckets.
-        below: ``[places * 4 + 4]``, previous entry in the same bucket, or ``NONE``.
-    """
-    near, price, span = floor.near, floor.price, len(heads)
-    field[goal], entries[0], below[0], heads[0] = 0, goal, NONE, 0
-    count, waiting, distance = 1, 1, 0
-    while waiting > 0:
-        entry = heads[distance % span]
-        if entry == NONE:
-            distance += 1
-            continue
-        heads[distance % span], place = below[entry], entries[entry]
-        waiting -= 1
-        if field[place] != distance:
-            continue  # a cheaper path has been found since
-        for number in range(STAY):
-            before = near[place * ACTIONS + number]
-            step = before * ACTIONS + (number ^ 2)  # the opposite move
-            if before == floor.closed or near[step] != place:
-                continue
-            reached = distance + price[step]
-            if reached < field[before]:
-                field[before] = reached
-                entries[count], below[count] = before, heads[reached % span]
-                heads[reached % span] = count
-                count, waiting = count + 1, waiting + 1
-
-
-class Turning(NamedTuple):
-    """Reverse steps between the places of robots with headings, and buffers of ``measure_turning``.
-
-    The place of a robot is ``4 * n + heading`` here, where ``n`` numbers the open cells.
+    Places may have other numbers here, so that places in the same cell are next to one another.
 
     Attributes:
-        turn: cost of a quarter turn.
-        behind: ``[places]``, place from which a move leads to each place, or ``NONE``.
-        price: ``[places]``, cost of that move.
+        headings: number of places in each cell: 1, or 4 with headings.
+        turn: cost of a quarter turn, with headings.
+        behind: ``[places * ways]``, the places from which moves lead to each place, or ``NONE``.
+        price: ``[places * ways]``, costs of these moves.
         heads: last entry of each bucket, all ``NONE`` between searches. There is one bucket more
             than the highest price, and the buckets are used cyclically.
         entries: ``[places * 4]``, places in buckets.
         below: ``[places * 4]``, previous entry in the same bucket, or ``NONE``.
     """
 
+    headings: int
     turn: int
     behind: Table
     price: Table
@@ -120,22 +80,34 @@ class Turning(NamedTuple):
 
 
 @kernel
-def measure_turning(turning: Turning, goal: int, field: Table) -> None:
-    """Write the cost of the cheapest path from each place to a goal into a field.
+def lower(
+    reverse: Reverse, field: Table, place: int, distance: int, cost: int, bucket: int, count: int
+) -> int:
+    """Lower the distance of a place to ``distance + cost``; return 1, or 0 if it is not higher."""
+    if distance + cost >= field[place]:
+        return 0
+    into = bucket + cost
+    if into >= len(reverse.heads):
+        into -= len(reverse.heads)
+    field[place], reverse.entries[count] = distance + cost, place
+    reverse.below[count], reverse.heads[into] = reverse.heads[into], count
+    return 1
 
-    Args:
-        turning: steps between places.
-        goal: number of an open cell. All of its places have the distance 0.
-        field: ``[places]``, overwritten.
+
+@kernel
+def measure(reverse: Reverse, goal: int, field: Table) -> None:
+    """Write the cost of the cheapest path from each place to a goal into a field, ``[places]``.
+
+    The search is Dijkstra's with buckets in place of a heap (Dial, 1969). All places of the cell
+    with the number ``goal`` have the distance 0.
     """
-    behind, price, heads = turning.behind, turning.price, turning.heads
-    entries, below = turning.entries, turning.below
+    behind, price, heads = reverse.behind, reverse.price, reverse.heads
+    ways, turns = len(behind) // len(field), reverse.headings > 1
     for place in range(len(field)):
         field[place] = FAR
-    bucket, count, distance = 0, 0, 0
-    for place in range(goal * STAY, (goal + 1) * STAY):
-        field[place], entries[count], below[count], heads[0] = 0, place, heads[0], count
-        count += 1
+    bucket, distance, count = 0, 0, 0
+    for place in range(goal * reverse.headings, (goal + 1) * reverse.headings):
+        count += lower(reverse, field, place, 0, 0, 0, count)
     waiting = count
     while waiting > 0:
         entry = heads[bucket]
@@ -144,21 +116,16 @@ def measure_turning(turning: Turning, goal: int, field: Table) -> None:
             if bucket == len(heads):
                 bucket = 0
             continue
-        heads[bucket], place = below[entry], entries[entry]
+        heads[bucket], place = reverse.below[entry], reverse.entries[entry]
         waiting -= 1
         if field[place] != distance:
             continue  # a cheaper path has been found since
-        for number in range(TURNS):
-            if number == FORWARD:
-                before, cost = behind[place], price[place]
-                if before == NONE:
-                    continue
-            else:  # a turn to the right or to the left
-                before, cost = (place & ~3) + ((place + 2 * number - 3) & 3), turning.turn
-            if distance + cost < field[before]:
-                field[before] = distance + cost
-                into = bucket + cost
-                if into >= len(heads):
-                    into -= len(heads)
-                entries[count], below[count], heads[into] = before, heads[into], count
-                count, waiting = count + 1, waiting + 1
+        before = count
+        for step in range(place * ways, (place + 1) * ways):
+            if behind[step] != NONE:
+                count += lower(reverse, field, behind[step], distance, price[step], bucket, count)
+        if turns:
+            for turn in (1, 3):
+                beside = (place & ~3) + ((place + turn) & 3)
+                count += lower(reverse, field, beside, distance, reverse.turn, bucket, count)
+        waiting += count - before

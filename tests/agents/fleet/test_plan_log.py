@@ -7,7 +7,7 @@ import pytest
 from helpers.mapf_problems import situation
 
 from agents.fleet import PlannedFleet
-from agents.fleet.plan_log import PlanLog
+from agents.fleet.planned import PlanLog
 from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs

@@ -13,8 +13,7 @@ from helpers.mapf_problems import situation
 
 from agents.errors import AgentError, EpisodeError, PlanError
 from agents.fleet import PlannedFleet
-from agents.fleet.plan_log import PlanLog
-from agents.fleet.planned import separate
+from agents.fleet.planned import PlanLog, separate
 from agents.fleet.scheduler import parking_of
 from agents.lab.runs.run import run
 from agents.mapf.graph import Graph

@@ -111,9 +111,3 @@ def test_without_scipy_the_same_rows_and_columns_match_ties_included(
     monkeypatch.setitem(sys.modules, "scipy.optimize", None)
     for costs, pairs in zip(samples, expected, strict=True):
         assert np.array_equal(cheapest_matching(costs.astype(np.float64)), pairs)
-
-
-def test_the_former_name_of_the_times_works_and_warns() -> None:
-    near = tasks([[1, 2]])
-    with pytest.warns(DeprecationWarning, match=r"^Tasks\.ways has been renamed to times"):
-        assert near.ways is near.times

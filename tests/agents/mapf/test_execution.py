@@ -9,7 +9,8 @@ from agents.errors import PlanError
 from agents.mapf import execution
 from agents.mapf.execution import EXECUTIONS, drive_steps, drive_through
 from agents.mapf.graph import Graph
-from agents.mapf.pibt import pibt
+from agents.mapf.pibt import PIBT
+from agents.mapf.planner import solve_by_steps
 from agents.mapf.problem import Plan, Problem
 from warehouse_core import Layout, random_layout
 from warehouse_physics import Disturbances, RobotSpec, Stop
@@ -48,7 +49,8 @@ def test_a_plan_is_driven_through_faster_and_with_less_energy() -> None:
     layout = random_layout(9, 9, 0.1, seed=3)
     stream = np.random.default_rng(0)
     starts, goals = (stream.permutation(layout.open_cells)[:8].tolist() for _ in range(2))
-    plan = pibt(Problem(Graph(layout), starts, goals), 10.0)
+    problem = Problem(Graph(layout), starts, goals)
+    plan = solve_by_steps(PIBT(problem.graph), problem, 10.0)
     driven, stepped = drive_through(layout, plan.cells), drive_steps(layout, plan.cells)
     assert stepped.seconds == pytest.approx(2.0 * plan.makespan)
     assert driven.seconds < 0.8 * stepped.seconds

@@ -11,8 +11,7 @@ from helpers.mapf_problems import situation
 from agents.errors import AgentError, PlanError
 from agents.mapf import graph as module
 from agents.mapf.circulation import Circulation
-from agents.mapf.graph import CLOSED, Fields, Graph
-from agents.mapf.headed import HeadedFields
+from agents.mapf.graph import CLOSED, Fields, Graph, HeadedFields
 from agents.mapf.kernels.places import FAR
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT

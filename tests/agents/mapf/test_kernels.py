@@ -11,11 +11,10 @@ from helpers.mapf_turns import least_step_cost
 from helpers.mapf_validator import plan_conflict, step_conflict
 
 from agents.errors import PlanError
-from agents.mapf.graph import Fields, Graph
-from agents.mapf.headed import HeadedFields
+from agents.mapf.graph import Fields, Graph, HeadedFields
 from agents.mapf.kernels import space_time_astar as kernels
-from agents.mapf.kernels.buffers import buffer, table_of
-from agents.mapf.kernels.places import FAR, NONE, measure, measure_turning
+from agents.mapf.kernels.buffers import table_of
+from agents.mapf.kernels.places import FAR, NONE, measure
 from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lns import Refinement
@@ -108,18 +107,16 @@ def test_path_costs_equal_brute_force(is_open: bool) -> None:
 def test_measured_distances_equal_dijkstra(kind: type[Fields], wrong_way: float) -> None:
     layout = random_layout(11, 9, 0.25, seed=4)
     graph = Graph(layout, None if wrong_way is None else lane_costs(layout, wrong_way))
-    fields, span = kind(graph), 2 + int(10 * (wrong_way or 1))
-    room = 4 * (fields.graph.places + 1)
-    for goal in layout.open_cells[::7].tolist():  # robots with headings reuse their buffers
+    fields = kind(graph)
+    for goal in layout.open_cells[::7].tolist():  # searches reuse their buffers
         found = np.full(fields.graph.places, FAR, np.int32)
         if isinstance(fields, HeadedFields):
             of_open_cells = np.empty((len(layout.open_cells), 4), np.int32)
-            measure_turning(fields._turning, int(fields._columns[goal]), table_of(of_open_cells))
+            measure(fields._reverse, int(fields._columns[goal]), table_of(of_open_cells))
             columns = fields._columns[layout.open_cells]
             found.reshape(4, -1)[:, layout.open_cells] = of_open_cells[columns].T
         else:
-            buffers = buffer(10 * span, NONE), buffer(room), buffer(room)
-            measure(fields.floor, goal, table_of(found), *buffers)
+            measure(fields._reverse, goal, table_of(found))
         distances = fields.graph.distances(goal) * fields.step
         assert np.array_equal(found, np.minimum(np.rint(distances), FAR))
 

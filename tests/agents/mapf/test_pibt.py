@@ -11,7 +11,8 @@ from agents.mapf.graph import Graph
 from agents.mapf.kernels.pibt import NOBODY
 from agents.mapf.kernels.robots import SPREAD, draw, first_random, mix
 from agents.mapf.lanes import lane_costs
-from agents.mapf.pibt import PIBT, PlainPIBT, pibt
+from agents.mapf.pibt import PIBT, PlainPIBT
+from agents.mapf.planner import solve_by_steps
 from agents.mapf.problem import Problem
 from warehouse_core import Layout, random_layout
 
@@ -91,8 +92,9 @@ def test_after_a_reset_the_same_follows() -> None:
 
 
 def test_a_problem_that_it_does_not_solve_ends_in_time() -> None:
+    problem = problem_of(["...."], [1, 2], [2, 1])
     with pytest.raises(PlanError, match=r"no plan after 0\.05 s"):
-        pibt(problem_of(["...."], [1, 2], [2, 1]), 0.05)
+        solve_by_steps(PIBT(problem.graph), problem, 0.05)
 
 
 def test_urgent_robots_go_first() -> None:

@@ -2,10 +2,8 @@
 
 import random
 
-from agents.mapf.cell_sets import CellSets, bits_of
 from agents.mapf.graph import WAIT, Graph
-from agents.mapf.route import Route, TracedPath
-from agents.mapf.rules import Constraint, Rules
+from agents.mapf.route import CellSets, Constraint, Route, Rules, TracedPath, bits_of
 from warehouse_core import Layout
 
 LAYOUT = Layout(["...", ".#.", "..."])

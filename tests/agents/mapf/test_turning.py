@@ -14,12 +14,11 @@ from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.graph import Graph
-from agents.mapf.lacam import lacam, lacam_star
+from agents.mapf.lacam import lacam, lacam_star, with_turns
 from agents.mapf.lanes import lane_costs
-from agents.mapf.pibt import pibt
+from agents.mapf.pibt import PIBT
 from agents.mapf.planner import solve_by_steps
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.turning import with_turns
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
 
@@ -88,7 +87,10 @@ def test_planners_of_steps_solve_problems_of_robots_with_headings() -> None:
     [
         (solve_cbs, "CBS"),
         (solve_eecbs, "CBS"),
-        (pibt, "planner PIBT"),
+        (
+            lambda problem, seconds: solve_by_steps(PIBT(problem.graph), problem, seconds),
+            "planner PIBT",
+        ),
     ],
 )
 def test_solvers_without_headings_refuse_them(solve, name: str) -> None:

@@ -14,8 +14,7 @@ import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.fleet.guided import Choice
-from agents.fleet.plan_log import PlanLog
-from agents.fleet.planned import PlannedFleet, check_headings, wants_dispatch
+from agents.fleet.planned import PlanLog, PlannedFleet, check_headings, wants_dispatch
 from agents.lab.commands.fleet.report import (
     SUFFIX,
     ShiftResult,
