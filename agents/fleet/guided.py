@@ -12,10 +12,9 @@ import numpy as np
 from agents.fleet.charging import costs_around_chargers
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Costs, Graph
-from agents.mapf.lanes import lane_costs
+from agents.mapf.guidance import lane_costs, learn
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
-from agents.mapf.traffic import learn
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout
 from warehouse_core.arguments import one_of, real_number

@@ -153,15 +153,9 @@ def _jobs(shift: Episode, on_time: bool) -> Jobs:
     distances = fields.matrix[rows].astype(np.intp)
     takes = distances[pickup, dropoffs[dropoff]] + HANDLING
     due = [min(order.due, shift.steps) if on_time else shift.steps for order in orders]
-    return Jobs(
-        pickup,
-        dropoff,
-        np.array([order.released for order in orders], np.intp),
-        np.array(due, np.intp) - takes,
-        takes,
-        distances[:, np.concatenate([dropoffs, shift.cells[0]])],
-        shift.robots,
-    )
+    first, last = np.array([order.released for order in orders], np.intp), np.array(due, np.intp)
+    distances = distances[:, np.concatenate([dropoffs, shift.cells[0]])]
+    return Jobs(pickup, dropoff, first, last - takes, takes, distances, shift.robots)
 
 
 def _flow(jobs: Jobs, unit: int) -> Flow:
@@ -187,12 +181,8 @@ def _flow(jobs: Jobs, unit: int) -> Flow:
         add(pickup, pickup, np.arange(until[pickup]), unit)
         for place, distance in enumerate(row):
             times = np.arange(until[pickup] + 1 - distance // unit)
-            add(
-                len(jobs.distances) + place,
-                pickup,
-                times[: 1 if place >= starts else None],
-                distance,
-            )
+            times = times[:1] if place >= starts else times
+            add(len(jobs.distances) + place, pickup, times, distance)
     robots = np.zeros((places, units), np.intp)
     robots[len(jobs.distances) + starts :, 0] = 1
     tails, heads, orders, ends = np.concatenate(moves, axis=1)

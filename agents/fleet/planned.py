@@ -51,11 +51,7 @@ def wants_dispatch(agent: FleetAgent) -> bool:
 
 
 def check_headings(planner: Planner, env: FleetEnv) -> None:
-    """Check that a planner supports headings if the robots of an environment have them.
-
-    Raises:
-        AgentError: the robots have headings, and the planner does not support them.
-    """
+    """Raise ``AgentError`` if robots have headings and their planner does not support them."""
     if env.settings.has_headings and not knows_headings(planner):
         raise AgentError(
             f"planner {type(planner).__name__} does not support headings, which robots "
@@ -134,14 +130,9 @@ class PlannedFleet:
     dispatch = False
 
     def __init__(
-        self,
-        planner: Planner,
-        assignment: str = DEFAULT_ASSIGNMENT,
-        *,
-        seconds: float = PLAN_SECONDS,
-        goes_on: bool = False,
-        log: PlanLog | None = None,
-    ) -> None:
+        self, planner: Planner, assignment: str = DEFAULT_ASSIGNMENT, *,
+        seconds: float = PLAN_SECONDS, goes_on: bool = False, log: PlanLog | None = None,
+    ) -> None:  # fmt: skip
         with_methods("planner", planner, "reset", "next_cells")
         self._log = None if log is None else instance_of("log", log, PlanLog)
         if log and log.pushes and not hasattr(planner, "pushers"):
@@ -165,7 +156,7 @@ class PlannedFleet:
 
         Raises:
             PlanError: the plan of the step has a conflict.
-            AgentError: as for ``check_headings``.
+            AgentError: the robots have headings, and the planner does not support them.
         """
         if self._scheduler is None:
             check_headings(self.planner, env)

@@ -22,15 +22,16 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from math import inf
+from operator import attrgetter
 from time import perf_counter
 
 from agents.errors import PlanError
 from agents.mapf.cbs import solve_cbs
+from agents.mapf.guidance import Traffic
 from agents.mapf.kernels.lacam import prepare_solvers
 from agents.mapf.lacam import LaCAM, with_turns
 from agents.mapf.lns import Refinement
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.traffic import Traffic
 from warehouse_core.world.moves import HEADINGS
 
 __all__ = ["solve_anytime"]
@@ -58,6 +59,9 @@ PATIENCE = 40
 
 PLAIN_SHARE = 0.4
 """Share of the time for a plan without headings, to which turns are added."""
+
+COST = attrgetter("sum_of_costs")
+"""Function that returns the cost of a plan, by which plans are compared."""
 
 MAX_STATES = 100_000_000
 """Limit on cells times steps of a plan that is refined. Each takes 16 bytes of memory."""
@@ -94,7 +98,7 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
         share = PLAIN_SHARE * max(deadline - perf_counter(), 0.0)
         with suppress(PlanError):  # its share may be too short for a plan
             plain = solve_anytime(replace(problem, headings=None), share, seed, trials)
-            plan = min(plan, with_turns(problem, plain), key=_cost)
+            plan = min(plan, with_turns(problem, plain), key=COST)
     if not can_refine(problem, plan):
         return plan
     if problem.robots <= SMALL_TEAM:
@@ -105,17 +109,13 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
         better = search.plan() or plan
         if search.is_done:
             return better
-        plan = min(plan, better, key=_cost) if has_headings else better
+        plan = min(plan, better, key=COST) if has_headings else better
     elif plan.sum_of_costs > CROWDED * search.lower_bound and not has_headings:
         others = _others(problem, plan, seed, begin + OTHERS_SHARE * seconds)
-        plan = min([plan, *others], key=_cost)
+        plan = min([plan, *others], key=COST)
     refinement = Refinement(problem, plan, seed, search.steps)
     refinement.run(deadline, trials)
     return refinement.plan()
-
-
-def _cost(plan: Plan) -> int:
-    return plan.sum_of_costs
 
 
 def can_refine(problem: Problem, plan: Plan) -> bool:

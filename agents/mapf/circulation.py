@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Fields, Graph, HeadedFields, robots_in
-from agents.mapf.kernels.auction import Auction, auction_of, choose_first
+from agents.mapf.kernels.auction import Auction, auction_of, choose
 from agents.mapf.kernels.buffers import write
-from agents.mapf.kernels.places import FAR, NONE
-from agents.mapf.kernels.robots import NOBODY, robots_of
+from agents.mapf.kernels.places import FAR, NONE, STAY
+from agents.mapf.kernels.robots import NOBODY, UNDECIDED, robots_of
 from agents.mapf.planner import Memory, PlacePlanner, Situation
 from warehouse_core.arguments import instance_of, seed_number, whole_number
 from warehouse_core.compiled import prepare
@@ -38,7 +38,7 @@ class Circulation(PlacePlanner):
     """Planner that moves robots, with or without headings, in circulations, step by step.
 
     Args:
-        graph: floor. With lanes as costs, robots reach more goals; see ``lanes.py``.
+        graph: floor. With lanes as costs, robots reach more goals; see ``guidance.py``.
         seed: seed of random tie-breaks.
         patience: number of steps without a goal after which a robot's weight has doubled. The
             weight continues to grow at this rate.
@@ -59,7 +59,7 @@ class Circulation(PlacePlanner):
         self.graph = instance_of("graph", graph, Graph)
         self.seed = seed_number(seed)
         self.patience = whole_number("patience", patience, 1, MAX_PATIENCE)
-        prepare(choose_first)
+        prepare(choose)
         self.reset()
 
     def reset(self) -> None:
@@ -68,18 +68,16 @@ class Circulation(PlacePlanner):
         self._outward = dead_ends(self.graph)
 
     def _choose(self, situation: Situation, places: Integers | None) -> Integers:
-        """Return the next place of each robot; ``places`` are given for robots with headings."""
         places = situation.cells if places is None else places
         self._read(situation, places)
         self._robots.random[0] = int(self._random.integers(1, 2**31))
-        choose_first(self._robots, self._auction, self.fields.table)
+        choose(self._robots, self._auction, self.fields.table)
         self._places, self._aims = (
             np.array(each, places.dtype) for each in (self._robots.places, self._auction.targets)
         )
         return self._places.copy()
 
     def _begin(self, robots: int, has_headings: bool) -> None:
-        """Begin an episode of the given number of robots."""
         graph = self.graph
         flat = graph.with_costs(graph.costs) if graph.turn_cost else graph
         self.fields = HeadedFields(graph) if has_headings else Fields(flat, graph)
@@ -103,11 +101,13 @@ class Circulation(PlacePlanner):
         rests = (goals == cells) | (self.fields.matrix[rows, places] >= FAR)
         rests |= waits_for_exits(self._outward, cells, goals)
         write(
-            robots, goals=np.where(rests, cells, goals), rows=rows * self.fields.matrix.shape[1],
-            stays=stays, is_closed=is_closed,
+            robots, places=places, goals=np.where(rests, cells, goals),
+            rows=rows * self.fields.matrix.shape[1], chosen=np.where(stays, places, UNDECIDED),
+            robot_in=robots_in(self.graph.size, cells), is_closed=is_closed,
         )  # fmt: skip
-        aims = kept_aims(self.graph.size, cells, aims)
-        write(auction, here=places, aims=aims, rests=rests, weights=weights)
+        targets = kept_aims(self.graph.size, cells, aims)
+        write(auction, targets=targets, is_there=rests, weights=weights,
+              actions=np.full(len(cells), STAY))  # fmt: skip
 
 
 def auction_on(fields: Fields, robots: int, unit: int) -> Auction:
@@ -131,11 +131,11 @@ def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:
         aims[is_blocked] = NONE
 
 
-def outward_cells(graph: Graph) -> Integers:
+def dead_ends(graph: Graph) -> Integers:
     """Return for each cell in a dead end the next cell on the way out, else ``NONE``, ``[size]``.
 
     Dead ends are found by removing cells with one neighbour repeatedly. A dead end reaches up to
-    the first cell that has another exit.
+    the first cell that has another exit. Dead ends that lead only into one another do not count.
     """
     neighbours = graph.neighbours[:, :WAIT]
     degree, outward = (neighbours != CLOSED).sum(axis=1), np.full(graph.size, NONE)
@@ -148,12 +148,6 @@ def outward_cells(graph: Graph) -> Integers:
                 degree[out] -= 1
                 if degree[out] == 1:
                     ends.append(out)
-    return outward
-
-
-def dead_ends(graph: Graph) -> Integers:
-    """Return ``outward_cells`` without dead ends that lead only into one another, ``[size]``."""
-    outward, neighbours = outward_cells(graph), graph.neighbours[:, :WAIT]
     mouths = np.where(outward == NONE, np.arange(len(outward)), outward)
     while (outward[mouths] != NONE).any():
         mouths = mouths[mouths]

@@ -13,8 +13,6 @@ AAAI.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from agents.errors import PlanError
 from agents.mapf.cbs import NO_PLAN, ConflictNode, ConflictTree, separate_delays
 from agents.mapf.problem import Plan, Problem
@@ -26,15 +24,12 @@ W = 1.2
 """Default limit on the ratio of the cost to the optimum."""
 
 
-@dataclass(eq=False)
 class Leaf:
     """A leaf of the tree, with a lower bound on the costs of the plans below it."""
 
-    node: ConflictNode
-    bound: int
-
-    def __post_init__(self) -> None:
-        self.cost, self.conflicts = self.node.cost, len(self.node.conflicts)
+    def __init__(self, node: ConflictNode, bound: int) -> None:
+        self.node, self.bound = node, max(bound, node.least)
+        self.cost, self.conflicts = node.cost, len(node.conflicts)
 
 
 class ExplicitTree(ConflictTree):
@@ -42,8 +37,7 @@ class ExplicitTree(ConflictTree):
 
     def _grow(self) -> tuple[ConflictNode, int]:
         self._spent = self._removed = 0
-        root = self._root()
-        leaves = [Leaf(root, root.least)]
+        leaves = [Leaf(self._root(), 0)]
         while leaves:
             bound = min(leaf.bound for leaf in leaves)
             leaf = self._choose(leaves, bound)
@@ -56,7 +50,7 @@ class ExplicitTree(ConflictTree):
                 continue
             grown = self._split(leaf.node, delays, self.w * bound)
             leaves.remove(leaf)
-            new = [Leaf(node, max(node.least, leaf.bound)) for node in grown]
+            new = [Leaf(node, leaf.bound) for node in grown]
             if new and new[0].node is not leaf.node:
                 self._learn(leaf, min(new, key=lambda each: (each.conflicts, each.cost)))
             leaves += new

@@ -57,13 +57,7 @@ def drive_through(
     spec: RobotSpec | None = None,
     disturbances: Disturbances | None = None,
 ) -> Execution:
-    """Let bodies drive through the cells of a joint plan, and return the execution.
-
-    Args:
-        layout: floor for which the plan was made.
-        plan: ``[T + 1, R]``, the ``cells`` of a ``Plan`` or of a ``LifelongRun``.
-        spec: robot to use; ``None`` is the default robot.
-        disturbances: departures from nominal physics.
+    """Let bodies drive through the cells of a joint plan, ``[T + 1, R]``; return the execution.
 
     Raises:
         PlanError: all robots have stopped before all have arrived. The message names robots.
@@ -93,7 +87,7 @@ def drive_steps(
     spec: RobotSpec | None = None,
     disturbances: Disturbances | None = None,
 ) -> Execution:
-    """Let bodies carry out a joint plan step by step; see ``drive_through`` for the arguments.
+    """Let bodies carry out a joint plan, ``[T + 1, R]`` cells, step by step.
 
     If disturbances keep robots from their cells, these robots try again while the others wait.
 

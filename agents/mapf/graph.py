@@ -15,15 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.kernels.buffers import Table, buffer, buffer_of, table_of
-from agents.mapf.kernels.places import (
-    ACTIONS,
-    FAR,
-    NONE,
-    STAY,
-    Places,
-    Reverse,
-    measure,
-)
+from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places, Reverse, measure
 from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.compiled import IS_COMPILED, prepare
 from warehouse_core.renamed import Renamed
@@ -74,7 +66,7 @@ class Graph:
     Args:
         layout: any layout.
         costs: ``[H * W, 4]``, costs above 0 of the moves N, E, S and W from each cell. With
-            ``None`` each move costs 1. See ``lanes.py``.
+            ``None`` each move costs 1. See ``guidance.py``.
         turn_cost: cost of a quarter turn before a move. A half turn costs twice as much.
 
     Raises:
@@ -116,11 +108,7 @@ class Graph:
         self._fields: OrderedDict[int, Costs] = OrderedDict()
 
     def with_turns(self, turn_cost: float) -> Graph:
-        """Return the graph with a cost of turns, or the graph itself if this cost is 0.
-
-        Raises:
-            ValueError: as for a ``Graph``.
-        """
+        """Return the graph with a cost of turns, or the graph itself if this cost is 0."""
         turn_cost = real_number("turn_cost", turn_cost)
         return Graph(self.layout, self.costs, turn_cost) if turn_cost else self
 
@@ -431,10 +419,8 @@ class HeadedFields(Fields):
         ahead = graph.neighbours[:, :WAIT].T
         is_shut = (ahead == CLOSED) | np.isin(ahead, list(graph.closed))
         result[..., FORWARD] = np.where(is_shut, graph.places, ahead + places[:, :1])
-        result[..., RIGHT], result[..., LEFT] = (
-            np.roll(places, -1, axis=0),
-            np.roll(places, 1, axis=0),
-        )
+        result[..., RIGHT] = np.roll(places, -1, axis=0)
+        result[..., LEFT] = np.roll(places, 1, axis=0)
         result[..., STAY] = places
         return result.reshape(-1, ACTIONS)
 
@@ -448,7 +434,6 @@ class HeadedFields(Fields):
         return result.reshape(-1, ACTIONS)
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
-        """Write the distances of all places from a goal into a field."""
         if self._is_compiled:
             measure(self._reverse, int(self._columns[goal]), table_of(self._field))
             field[:] = FAR
@@ -458,6 +443,5 @@ class HeadedFields(Fields):
 
     @cached_property
     def _reverse(self) -> Reverse:
-        """The steps of ``near`` in reverse direction."""
         here, facing = self._stands
         return self._reverse_of(self._columns[here] * WAIT + facing, FORWARD + 1)

@@ -16,12 +16,6 @@ from warehouse_core.world.tables import Integers
 
 __all__ = ["run_lifelong"]
 
-NewGoals = Callable[[Integers, Integers], Integers]
-"""Function that returns new goals, ``[R]``, from the cells after a step and the current goals.
-
-It must not change these arrays.
-"""
-
 
 @dataclass(frozen=True, eq=False)
 class LifelongRun:
@@ -46,16 +40,9 @@ class LifelongRun:
 
 
 def run_lifelong(
-    graph: Graph,
-    planner: Planner,
-    robots: int,
-    steps: int,
-    seed: int,
-    starts: Integers | None = None,
-    goals: Integers | None = None,
-    *,
-    has_headings: bool = False,
-) -> LifelongRun:
+    graph: Graph, planner: Planner, robots: int, steps: int, seed: int,
+    starts: Integers | None = None, goals: Integers | None = None, *, has_headings: bool = False,
+) -> LifelongRun:  # fmt: skip
     """Run a planner with random goals, each of which is replaced when a robot reaches it.
 
     Each robot has a random number stream of its own, so that its ``n``-th goal is the same for all
@@ -106,18 +93,15 @@ def run_lifelong(
 
 
 def run_with_goals(
-    planner: Planner,
-    cells: Integers,
-    goals: Integers,
-    new_goals: NewGoals,
-    steps: int,
-    headings: Integers = NO_CELLS,
-    size: int = 0,
-) -> LifelongRun:
+    planner: Planner, cells: Integers, goals: Integers,
+    new_goals: Callable[[Integers, Integers], Integers], steps: int,
+    headings: Integers = NO_CELLS, size: int = 0,
+) -> LifelongRun:  # fmt: skip
     """Reset a planner and run it from the first cells of the robots, with goals that change.
 
-    If robots have headings, ``size`` is the number of cells, and the planner has to support
-    headings.
+    ``new_goals`` returns new goals, ``[R]``, from the cells after a step and the current goals, and
+    must not change these arrays. If robots have headings, ``size`` is the number of cells, and the
+    planner has to support headings.
     """
     nobody = np.zeros(len(cells), np.bool_)
     all_cells, all_goals, seconds = [cells], [goals], []

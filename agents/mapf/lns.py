@@ -20,11 +20,8 @@ SLACK = 8
 class Refinement:
     """Refinement of a plan by replanning groups of robots; the plan never becomes worse.
 
-    Args:
-        problem: problem that the plan solves.
-        plan: any plan without conflicts that solves the problem.
-        seed: seed of the groups.
-        steps: distances in steps, if they are known.
+    The plan must solve the problem without conflicts. ``steps`` are distances in steps, if they are
+    known.
     """
 
     def __init__(

@@ -60,13 +60,11 @@ class PIBT(PlacePlanner):
         self.pushers = np.empty(0, np.intp)
 
     def _begin(self, robots: int, has_headings: bool) -> None:
-        """Begin an episode of the given number of robots."""
         self._memory = Memory(self.graph, np.random.default_rng(self.seed).random(robots))
         self._robots = robots_of(self.graph.size, robots, self.seed)
         self._pibt = pibt_of(self.graph.size, robots)
 
     def _choose(self, situation: Situation, places: Integers | None) -> Integers:
-        """Return the next place of each robot."""
         cells, goals, stays, closed, urgent, _ = situation
         places = self._memory.places(cells)
         order = self._memory.order(cells, goals, urgent)

@@ -133,10 +133,7 @@ class PlacePlanner(ABC):
 
         A place is ``heading * H * W + cell``. A robot moves to the cell ahead, or it keeps its cell
         and turns by at most a quarter. The cells satisfy the same conditions as in ``next_cells``.
-
-        Args:
-            situation: situation of the robots, as for ``next_cells``.
-            headings: ``[R]``, 0 to 3 for N, E, S and W.
+        The headings, ``[R]``, are 0 to 3 for N, E, S and W.
         """
         return self._next(situation, headings * self.graph.size + situation.cells)
 
@@ -232,12 +229,7 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
             cells.
     """
     cells, stays = situation.cells, situation.stays
-    checked = np.asarray(chosen)
-    if checked.shape != cells.shape or checked.dtype.kind not in "iu":
-        raise PlanError(
-            f"the planner returned {brief(chosen)}; needed: a cell number for each of "
-            f"{len(cells)} robots"
-        )
+    checked = _numbers(chosen, cells, "a cell number")
 
     def place(cell: np.integer) -> str:
         return str(graph.layout.cell(cell))
@@ -271,6 +263,15 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
     return checked
 
 
+def _numbers(chosen: object, cells: Integers, what: str) -> Integers:
+    """Return what a planner has chosen as numbers, one for each robot, or raise ``PlanError``."""
+    numbers = np.asarray(chosen)
+    if numbers.shape != cells.shape or numbers.dtype.kind not in "iu":
+        needed = f"{what} for each of {len(cells)} robots"
+        raise PlanError(f"the planner returned {brief(chosen)}; needed: {needed}")
+    return numbers
+
+
 def check_turns(graph: Graph, situation: Situation, headings: Integers, chosen: object) -> Integers:
     """Return the next places that a planner has chosen for robots with headings, once checked.
 
@@ -279,11 +280,7 @@ def check_turns(graph: Graph, situation: Situation, headings: Integers, chosen: 
             turns by more than a quarter, or turns although it must stay. The message names it.
     """
     cells = situation.cells
-    checked = np.asarray(chosen)
-    if checked.shape != cells.shape or checked.dtype.kind not in "iu":
-        raise PlanError(
-            f"the planner returned {brief(chosen)}; needed: a place for each of {len(cells)} robots"
-        )
+    checked = _numbers(chosen, cells, "a place")
     turned, to = np.divmod(checked, graph.size)
     is_place = (checked >= 0) & (turned < len(HEADINGS))
     ahead = graph.neighbours[cells, headings]

@@ -31,12 +31,7 @@ UNKNOWN = FAR >> 1
 
 
 class Waypoints:
-    """The waypoints of ``R`` robots.
-
-    Args:
-        fields: distance fields of the planner.
-        robots: ``R``.
-    """
+    """The waypoints of robots, given the distance fields of their planner."""
 
     def __init__(self, fields: Fields, robots: int) -> None:
         self._fields, row = fields, fields.graph.places * fields.matrix.itemsize

@@ -37,12 +37,7 @@ from agents.mapf.kernels.space_time_astar import (
     reserve_only,
 )
 from agents.mapf.planner import Memory, PlacePlanner, Situation
-from warehouse_core.arguments import (
-    instance_of,
-    real_number,
-    seed_number,
-    whole_number,
-)
+from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
 from warehouse_core.compiled import prepare
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
@@ -82,7 +77,7 @@ class WindowedPlanner(PlacePlanner):
     """Planner that plans the next steps of all robots, improves the plan, and takes its first step.
 
     Args:
-        graph: floor. With lanes as costs, robots reach more goals; see ``lanes.py``.
+        graph: floor. With lanes as costs, robots reach more goals; see ``guidance.py``.
         window: number of steps that are planned ahead.
         groups: number of groups of robots that are replanned in each step. A result is kept if it
             is no worse. By default it is the number of robots, from ``LEAST_GROUPS`` to
@@ -103,14 +98,9 @@ class WindowedPlanner(PlacePlanner):
     """
 
     def __init__(
-        self,
-        graph: Graph,
-        window: int = WINDOW,
-        groups: int | None = None,
-        seconds: float = inf,
-        seed: int = 0,
-        turn_cost: float = 0.0,
-    ) -> None:
+        self, graph: Graph, window: int = WINDOW, groups: int | None = None, seconds: float = inf,
+        seed: int = 0, turn_cost: float = 0.0,
+    ) -> None:  # fmt: skip
         self.groups = None if groups is None else whole_number("groups", groups, 0)
         self.seed = seed_number(seed)
         self.seconds = real_number("seconds", seconds, finite=False)
@@ -133,7 +123,6 @@ class WindowedPlanner(PlacePlanner):
         return cells
 
     def _choose(self, situation: Situation, places: Integers | None) -> Integers:
-        """Return the next place of each robot; ``places`` are given for robots with headings."""
         deadline = perf_counter() + self.seconds
         self._here = self._memory.places(situation.cells) if places is None else places
         self._read(situation)
@@ -142,7 +131,6 @@ class WindowedPlanner(PlacePlanner):
         return self._places[:, 1].astype(situation.cells.dtype)
 
     def _begin(self, robots: int, has_headings: bool) -> None:
-        """Make the buffers for the given number of robots."""
         self.fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
         floor, times = self.fields.floor, self.window + 1
         self._robots = robots_of(self.graph.size, robots, self.seed)

@@ -35,13 +35,12 @@ from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import ConflictTree, solve_cbs
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Graph
+from agents.mapf.guidance import lane_costs, learned_costs
 from agents.mapf.lacam import lacam
-from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import NO_CELLS, Situation
 from agents.mapf.problem import Problem
-from agents.mapf.traffic import learned_costs
 from agents.registry import PLANNERS
 from warehouse_core import Layout, random_layout
 from warehouse_core.compiled import IS_COMPILED

@@ -11,8 +11,8 @@ import numpy as np
 
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Graph
+from agents.mapf.guidance import lane_costs
 from agents.mapf.lacam import LaCAM, lacam
-from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.lns import Refinement
 from agents.mapf.pibt import PIBT

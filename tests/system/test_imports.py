@@ -148,7 +148,7 @@ import warehouse_core.render.window
 from warehouse_core.render.painter import TilePainter, bar
 TilePainter(16).picture(warehouse_core.DEFAULT_LAYOUT, (1, 1), True), bar(0.5, 10, 4)
 
-import agents.mapf.lanes, agents.mapf.lacam
+import agents.mapf.guidance, agents.mapf.lacam
 
 from agents import *
 import agents.registry, agents.fleet, agents.mapf, agents.search, agents.learning

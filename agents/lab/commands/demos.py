@@ -17,7 +17,7 @@ from agents.lab.console.terminal import say
 from agents.lab.console.watch import slow_steps_reported
 from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
-from agents.mapf.lanes import lane_costs
+from agents.mapf.guidance import lane_costs
 from agents.mapf.pibt import PIBT
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (

@@ -57,9 +57,6 @@ class Auction(NamedTuple):
         unit: weight of an ordinary robot.
         ahead: ``[size * 4]``, cell that a move N, E, S or W leads to, or ``NONE``.
         worth: ``[MAX_DISTANCE * PARTS + 1]``, what a robot gains on its path from each distance.
-        here: places before the first step.
-        aims: cells to which robots have moves before the first step, or ``NONE``.
-        rests: 1 for robots that have no reason to move before the first step.
         targets: cells to which robots have moves, or ``NONE``.
         is_there: 1 for robots that have no reason to move, such as those that have reached their
             goals.
@@ -79,9 +76,6 @@ class Auction(NamedTuple):
     unit: int
     ahead: Table
     worth: Buffer
-    here: Buffer
-    aims: Buffer
-    rests: Buffer
     targets: Buffer
     is_there: Buffer
     weights: Buffer
@@ -101,7 +95,6 @@ def auction_of(ahead: Integers, robots: int, step: int, has_headings: bool, unit
     return Auction(
         step=step, has_headings=int(has_headings), unit=unit,
         ahead=table_of(ahead.astype(np.int32)), worth=buffer_of(np.rint(worth).astype(np.int64)),
-        here=buffer(robots), aims=buffer(robots, NONE), rests=buffer(robots),
         targets=buffer(robots, NONE), is_there=buffer(robots), weights=buffer(robots, unit),
         is_claimed=buffer(size), options=buffer(robots * ACTIONS, NONE),
         gains=buffer(robots * ACTIONS), actions=buffer(robots, STAY), wanted=buffer(robots, NONE),
@@ -289,24 +282,3 @@ def choose(robots: Robots, auction: Auction, fields: Table) -> None:
         robots.chosen[robot] = robots.places[robot]
         if robots.places[robot] % robots.size == robots.goals[robot]:
             auction.is_there[robot] = 1
-
-
-@kernel
-def restart(robots: Robots, auction: Auction) -> None:
-    """Reset all robots to their state before the first step."""
-    for cell in range(robots.size):
-        robots.robot_in[cell] = NOBODY
-    for robot in range(len(robots.places)):
-        robots.robot_in[auction.here[robot] % robots.size] = robot
-        robots.places[robot], auction.targets[robot] = auction.here[robot], auction.aims[robot]
-        auction.is_there[robot], auction.actions[robot] = auction.rests[robot], STAY
-
-
-@kernel
-def choose_first(robots: Robots, auction: Auction, fields: Table) -> None:
-    """Choose the places after the first step, from the places in ``auction.here``."""
-    restart(robots, auction)
-    for robot in range(len(robots.places)):
-        stays = robots.stays[robot] == 1
-        robots.chosen[robot] = robots.places[robot] if stays else UNDECIDED
-    choose(robots, auction, fields)

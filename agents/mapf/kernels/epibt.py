@@ -169,15 +169,6 @@ def free_path(robots: Robots, epibt: Epibt, robot: int) -> None:
 
 
 @kernel
-def choose_expected(robots: Robots, epibt: Epibt, robot: int) -> None:
-    """Make a robot choose the path that is expected of it."""
-    for at in range(robot * epibt.window, (robot + 1) * epibt.window):
-        epibt.paths[at] = epibt.expected_places[at]
-    epibt.states[robot] = CHOSEN
-    reserve_path(robots, epibt, robot)
-
-
-@kernel
 def set_expected(robots: Robots, epibt: Epibt, robot: int, waits: bool) -> None:
     """Expect a robot to complete its path and then wait, or only to wait if ``waits``."""
     first, place = robot * epibt.window, robots.places[robot]
@@ -458,7 +449,10 @@ def choose(robots: Robots, epibt: Epibt, fields: Table) -> bool:
                     if epibt.states[other] == FREE:
                         epibt.paths[other * window] = NONE  # no path is expected of it any more
                 return False
-            choose_expected(robots, epibt, robot)
+            for at in range(robot * window, (robot + 1) * window):
+                epibt.paths[at] = epibt.expected_places[at]
+            epibt.states[robot] = CHOSEN
+            reserve_path(robots, epibt, robot)
     for robot in range(count):
         chosen[robot] = epibt.paths[robot * window]
     return True

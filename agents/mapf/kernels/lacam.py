@@ -333,18 +333,9 @@ def explore(
 ) -> int:  # fmt: skip
     """Continue the search for at most ``rounds`` rounds of PIBT or EPIBT.
 
-    Args:
-        search: known configurations.
-        robots: buffers of the robots, in any configuration.
-        pibt: buffers of PIBT. Robots with headings use its ``is_taken`` too.
-        epibt: buffers of EPIBT, which are unused if the robots have no headings.
-        floor: floor of the robots.
-        fields: distances that guide the robots.
-        steps: distances in steps, which are lower bounds on the costs.
-        rounds: rounds after which the search pauses.
-
-    Returns:
-        ``SPENT``, ``FULL``, ``DONE`` or ``FOUND``.
+    Return ``SPENT``, ``FULL``, ``DONE`` or ``FOUND``. Robots with headings use ``epibt``, and
+    ``is_taken`` of ``pibt``. The distances in ``fields`` guide the robots. Those in ``steps`` are
+    lower bounds on the costs.
     """
     counts, cost, left = search.counts, search.cost, search.left
     done = 0

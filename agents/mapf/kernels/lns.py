@@ -95,22 +95,17 @@ def delay_of_all(routes: Paths, fields: Table) -> int:
 
 
 @kernel
-def late_robot(routes: Paths, groups: Groups, fields: Table) -> int:
-    """Return the most delayed of eight random robots."""
-    robots, random = len(routes.costs), groups.random
-    latest = draw(random) % robots
-    for _ in range(7):
-        robot = draw(random) % robots
-        if delay(routes, fields, robot) > delay(routes, fields, latest):
-            latest = robot
-    return latest
-
-
-@kernel
 def gather_late(floor: Places, routes: Paths, groups: Groups, fields: Table, size: int) -> None:
-    """Gather a late robot and robots that block random walks which would bring it there sooner."""
+    """Gather the most delayed of eight random robots, and robots that delay it.
+
+    The latter are those that block random walks which would bring it to its goal sooner.
+    """
     times, random, near = routes.times, groups.random, floor.near
-    robot = late_robot(routes, groups, fields)
+    robot = draw(random) % len(routes.costs)
+    for _ in range(7):
+        other = draw(random) % len(routes.costs)
+        if delay(routes, fields, other) > delay(routes, fields, robot):
+            robot = other
     goal_row, cost = routes.rows[robot], routes.costs[robot]
     join(groups, robot, size)
     for _ in range(4 * size):

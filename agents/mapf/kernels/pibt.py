@@ -136,15 +136,9 @@ def has_room(floor: Places, robots: Robots, behind: int, ahead: int, crowd: int)
 
 @kernel
 def needs_swap(
-    floor: Places,
-    robots: Robots,
-    pibt: Pibt,
-    fields: Table,
-    pusher: int,
-    puller: int,
-    behind: int,
-    ahead: int,
-) -> bool:
+    floor: Places, robots: Robots, pibt: Pibt, fields: Table, pusher: int, puller: int,
+    behind: int, ahead: int,
+) -> bool:  # fmt: skip
     """Return whether two robots must swap because pushing on would not let them pass each other."""
     push, pull = robots.rows[pusher], robots.rows[puller]
     is_dead_end, comes_out, crowd = False, False, 0

@@ -7,14 +7,14 @@ the state of the algorithm, the distance fields, and the first and last time.
 
 from __future__ import annotations
 
-from agents.mapf.kernels.auction import Auction, restart
+from agents.mapf.kernels.auction import Auction
 from agents.mapf.kernels.auction import choose as choose_by_circulation
-from agents.mapf.kernels.buffers import Buffer, Table
+from agents.mapf.kernels.buffers import Table
 from agents.mapf.kernels.epibt import Epibt
 from agents.mapf.kernels.epibt import choose as choose_by_epibt
 from agents.mapf.kernels.pibt import CHOSEN, CLOSED, Pibt
 from agents.mapf.kernels.pibt import choose as choose_by_pibt
-from agents.mapf.kernels.places import ACTIONS, FAR, Places
+from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots
 from agents.mapf.kernels.space_time_astar import CLOSED_STEPS, Paths
 from warehouse_core.compiled import kernel
@@ -67,7 +67,18 @@ def end_step(routes: Paths, robots: Robots, time: int) -> None:
         routes.places[robot * routes.times + time + 1] = robots.chosen[robot]
     for cell in routes.closed:
         robots.is_closed[cell] = 1
-    move_arrived_last(robots.order, robots.places, robots.goals, robots.stack, robots.size)
+    # Robots that are at their goals come last.
+    order, spare, count, rest = robots.order, robots.stack, 0, 0
+    for at in range(len(order)):
+        robot = order[at]
+        if robots.places[robot] % robots.size == robots.goals[robot]:
+            spare[rest] = robot
+            rest += 1
+        else:
+            order[count] = robot
+            count += 1
+    for at in range(rest):
+        order[count + at] = spare[at]
 
 
 @kernel
@@ -120,9 +131,7 @@ def roll_circulation(
     """
     place_robots(routes, robots, first)
     for robot in range(len(robots.places)):
-        auction.here[robot] = robots.places[robot]
-    restart(robots, auction)
-    for robot in range(len(robots.places)):
+        auction.targets[robot], auction.is_there[robot], auction.actions[robot] = NONE, 0, STAY
         for time in range(first + 1):
             place = routes.places[robot * routes.times + time]
             if place % robots.size == robots.goals[robot]:
@@ -131,24 +140,6 @@ def roll_circulation(
         begin_step(routes, robots, time)
         choose_by_circulation(robots, auction, fields)
         end_step(routes, robots, time)
-
-
-@kernel
-def move_arrived_last(
-    order: Buffer, places: Buffer, goals: Buffer, spare: Buffer, size: int
-) -> None:
-    """Move the robots that are at their goals to the end of the order, keeping it otherwise."""
-    count, rest = 0, 0
-    for at in range(len(order)):
-        robot = order[at]
-        if places[robot] % size == goals[robot]:
-            spare[rest] = robot
-            rest += 1
-        else:
-            order[count] = robot
-            count += 1
-    for at in range(rest):
-        order[count + at] = spare[at]
 
 
 @kernel

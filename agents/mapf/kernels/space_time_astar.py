@@ -138,27 +138,13 @@ def free_from(floor: Places, routes: Paths, cell: int) -> int:
 
 @kernel
 def find_route(
-    floor: Places,
-    routes: Paths,
-    frontier: Frontier,
-    fields: Table,
-    robot: int,
-    most: int,
+    floor: Places, routes: Paths, frontier: Frontier, fields: Table, robot: int, most: int,
     turn: int,
-) -> int:
-    """Write the cheapest path of a robot that avoids all reserved cells into ``routes``.
+) -> int:  # fmt: skip
+    """Write the cheapest path of a robot that avoids all reserved cells, and return its cost.
 
-    Args:
-        floor: floor of the robots.
-        routes: paths of all robots; nothing is reserved for this robot.
-        frontier: buffers of the search.
-        fields: table of distance fields.
-        robot: robot whose first place is known.
-        most: highest cost that the path may have.
-        turn: number of positions by which the order of equally good steps is rotated.
-
-    Returns:
-        The cost, or ``NONE`` if there is no such path.
+    Its first place is known, and nothing may be reserved for it. The result is ``NONE`` if each
+    path costs more than ``most``. The order of equally good steps is rotated by ``turn`` positions.
     """
     size, closed, near, price = floor.size, floor.closed, floor.near, floor.price
     times, reserved, known, cells = routes.times, routes.reserved, frontier.known, floor.cell

@@ -8,7 +8,7 @@ from agents.errors import AgentError
 from agents.fleet import guided
 from agents.fleet.guided import choose
 from agents.fleet.planned import PlannedFleet
-from agents.mapf import traffic
+from agents.mapf import guidance
 from agents.registry import RENAMED_PLANNERS, current_planner, make_fleet_agent, make_planner
 from warehouse_core import FleetEnv, Layout, OrderQueue, random_layout
 from warehouse_core.records.recorder import record_fleet_episode
@@ -20,19 +20,19 @@ HALL = random_layout(12, 12, 0.1, seed=1)
 
 @pytest.fixture(autouse=True)
 def short_trials(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(traffic, "TRIAL_STEPS", 20)
-    traffic.learn.cache_clear()
+    monkeypatch.setattr(guidance, "TRIAL_STEPS", 20)
+    guidance.learn.cache_clear()
     yield
-    traffic.learn.cache_clear()
+    guidance.learn.cache_clear()
 
 
 @pytest.mark.parametrize("name", ["pibt", "windowed", "circulation"])
 def test_costs_are_learned_once_for_all_seeds_and_guide_robots(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    calls, learned = [], traffic.learned_costs
+    calls, learned = [], guidance.learned_costs
     monkeypatch.setattr(
-        traffic, "learned_costs", lambda *a, **k: calls.append(a) or learned(*a, **k)
+        guidance, "learned_costs", lambda *a, **k: calls.append(a) or learned(*a, **k)
     )
     actions = []
     for seed in (1, 2, 1):
@@ -55,7 +55,7 @@ def test_guided_paths_avoid_chargers_and_windows_follow_guidance_less() -> None:
             ("pibt", "learned"), ("windowed", "learned"), ("pibt", "lanes"), ("pibt", "none"),
         )
     )  # fmt: skip
-    learned = traffic.learn(ROOM, 3).costs
+    learned = guidance.learn(ROOM, 3).costs
     for costs in (full, lanes, none):
         assert {(20, 2), (25, 1), (27, 3)} <= set(map(tuple, np.argwhere(costs > 20).tolist()))
     is_plain = none == 1
@@ -79,7 +79,7 @@ def test_auto_chooses_by_robots_per_cell_headings_time_and_trials(
 ) -> None:
     gain = 2.0
     monkeypatch.setattr(
-        guided, "learn", lambda layout, robots: traffic.learn(layout, robots)._replace(gain=gain)
+        guided, "learn", lambda layout, robots: guidance.learn(layout, robots)._replace(gain=gain)
     )
     assert choose(HALL, 8) == ("windowed", "8 robots, 0.09 per open cell")
     assert choose(HALL, 40).name == "windowed:guidance=learned"

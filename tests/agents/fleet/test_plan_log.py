@@ -10,7 +10,7 @@ from agents.fleet import PlannedFleet
 from agents.fleet.planned import PlanLog
 from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
-from agents.mapf.lanes import lane_costs
+from agents.mapf.guidance import lane_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Situation
 from agents.registry import make_fleet_agent

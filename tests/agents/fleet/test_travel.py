@@ -6,7 +6,7 @@ import pytest
 from agents.fleet.scheduler import Scheduler
 from agents.fleet.travel import TravelTimes
 from agents.mapf.graph import Graph
-from agents.mapf.lanes import lane_costs
+from agents.mapf.guidance import lane_costs
 from warehouse_core import FleetEnv, Layout
 
 HALL = Layout(["C" + "." * 28 + "C"])

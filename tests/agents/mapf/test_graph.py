@@ -12,8 +12,8 @@ from agents.errors import AgentError, PlanError
 from agents.mapf import graph as module
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import CLOSED, Fields, Graph, HeadedFields
+from agents.mapf.guidance import lane_costs
 from agents.mapf.kernels.places import FAR
-from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import (
     NO_CELLS,

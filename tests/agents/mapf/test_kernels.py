@@ -12,11 +12,11 @@ from helpers.mapf_validator import plan_conflict, step_conflict
 
 from agents.errors import PlanError
 from agents.mapf.graph import Fields, Graph, HeadedFields
+from agents.mapf.guidance import lane_costs
 from agents.mapf.kernels import space_time_astar as kernels
 from agents.mapf.kernels.buffers import table_of
 from agents.mapf.kernels.places import FAR, NONE, measure
 from agents.mapf.lacam import lacam, lacam_star
-from agents.mapf.lanes import lane_costs
 from agents.mapf.lns import Refinement
 from agents.mapf.pibt import PIBT
 from warehouse_core import Layout, random_layout

@@ -9,8 +9,8 @@ from helpers.mapf_validator import plan_conflict, step_conflict
 
 from agents.errors import PlanError
 from agents.mapf.graph import Graph
+from agents.mapf.guidance import lane_costs
 from agents.mapf.lacam import lacam
-from agents.mapf.lanes import lane_costs
 from agents.mapf.problem import Problem
 from warehouse_core import random_layout
 

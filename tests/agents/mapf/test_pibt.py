@@ -8,9 +8,9 @@ from helpers.mapf_validator import step_conflict
 
 from agents.errors import PlanError
 from agents.mapf.graph import Graph
+from agents.mapf.guidance import lane_costs
 from agents.mapf.kernels.pibt import NOBODY
 from agents.mapf.kernels.robots import SPREAD, draw, first_random, mix
-from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT, PlainPIBT
 from agents.mapf.planner import solve_by_steps
 from agents.mapf.problem import Problem

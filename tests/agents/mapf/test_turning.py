@@ -14,8 +14,8 @@ from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.graph import Graph
+from agents.mapf.guidance import lane_costs
 from agents.mapf.lacam import lacam, lacam_star, with_turns
-from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import solve_by_steps
 from agents.mapf.problem import Plan, Problem

@@ -7,7 +7,7 @@ from helpers.mapf_runs import check_planner
 from helpers.mapf_validator import step_conflict
 
 from agents.mapf.graph import Graph
-from agents.mapf.lanes import lane_costs
+from agents.mapf.guidance import lane_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Situation
 from agents.mapf.problem import Problem

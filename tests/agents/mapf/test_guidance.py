@@ -1,14 +1,14 @@
-"""Costs of moves learned from traffic."""
+"""Costs of moves: lanes, and costs learned from traffic."""
 
 import numpy as np
 import pytest
 
 from agents.errors import PlanError
-from agents.mapf import traffic
+from agents.mapf import guidance
 from agents.mapf.graph import Graph
+from agents.mapf.guidance import lane_costs, learned_costs, station_goals
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
-from agents.mapf.traffic import learned_costs, station_goals
 from warehouse_core import Layout
 
 NORTH, EAST, SOUTH, WEST, WAIT = range(5)
@@ -17,7 +17,7 @@ NORTH, EAST, SOUTH, WEST, WAIT = range(5)
 def test_traffic_is_counted_by_cell_and_move() -> None:
     graph = Graph(Layout(["...", "..."]))
     cells = np.array([[0, 5], [1, 5], [1, 2], [0, 2]])
-    counts = traffic.traffic(graph, cells)
+    counts = guidance.traffic(graph, cells)
     expected = np.zeros((6, 5))
     expected[0, EAST] = expected[1, WAIT] = expected[1, WEST] = 1
     expected[5, WAIT] = expected[5, NORTH] = expected[2, WAIT] = 1
@@ -57,3 +57,20 @@ def test_robots_go_to_pickups_and_dropoffs_as_often() -> None:
     assert goals is not None
     assert sorted(goals.tolist()) == [0, 1, 6, 6]
     assert station_goals(Layout(["...."])) is None
+
+
+# Lanes.
+
+
+def test_rows_run_east_and_west_columns_south_and_north_in_turn() -> None:
+    costs = lane_costs(Layout(["..", "..", ".."]), 7).reshape(3, 2, 4)
+    assert costs[0, 0].tolist() == [7, 1, 1, 7]
+    assert costs[1, 1].tolist() == [1, 7, 7, 1]
+    assert costs[2, 1].tolist() == [1, 1, 7, 7]
+
+
+def test_robots_that_meet_keep_to_their_lanes() -> None:
+    """East along the row above and back along the row below is cheaper than against a lane."""
+    graph = Graph(Layout(["." * 9, "." * 9]), lane_costs(Layout(["." * 9, "." * 9])))
+    assert graph.distances(8)[0] == 8
+    assert graph.distances(0)[8] == 8 + 1 + 5

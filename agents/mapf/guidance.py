@@ -1,10 +1,12 @@
-"""Guidance learned from traffic: costs of moves that make robots avoid one another.
+"""Guidance: costs of moves that make robots avoid one another, for lanes or learned from traffic.
 
-Moves against the traffic are allowed but cost more, as moves against a lane do.
+Moves against a lane, or against the traffic, are allowed but cost more, so that every reachable
+cell stays reachable. Lanes are also called highways.
 
-Sources: Zhang, Jiang, Bhatt, Nikolaidis and Li (2024), Guidance graph optimization for lifelong
-multi-agent path finding, IJCAI. Chen, Harabor, Li and Stuckey (2024), Traffic flow optimisation for
-lifelong multi-agent path finding, AAAI.
+Sources: Cohen, Uras and Koenig (2015), Feasibility study: using highways for bounded-suboptimal
+multi-agent path finding, SoCS. Zhang, Jiang, Bhatt, Nikolaidis and Li (2024), Guidance graph
+optimization for lifelong multi-agent path finding, IJCAI. Chen, Harabor, Li and Stuckey (2024),
+Traffic flow optimisation for lifelong multi-agent path finding, AAAI.
 """
 
 from __future__ import annotations
@@ -16,12 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Costs, Graph
-from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
-from warehouse_core.world.actions import WAIT
+from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
+
+__all__ = ["lane_costs"]
+
+WRONG_WAY = 5.0
+"""Cost of a move against its lane."""
 
 FIRST_WRONG_WAY = 1.5
 """Cost of a move against its lane in the first trial of learned costs."""
@@ -55,15 +61,31 @@ class Learned(NamedTuple):
     gain: float
 
 
+def lane_costs(layout: Layout, wrong_way: float = WRONG_WAY) -> Costs:
+    """Return the costs of the moves N, E, S and W from each cell, ``[H * W, 4]``, for a ``Graph``.
+
+    These moves are against a lane and cost ``wrong_way``: west in an even row, east in an odd row,
+    north in an even column, and south in an odd column. All other moves cost 1.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.guidance import lane_costs
+        >>> from agents.mapf.pibt import PIBT
+        >>> from warehouse_core import shelf_layout
+        >>> layout = shelf_layout(aisle=2)
+        >>> planner = PIBT(Graph(layout, lane_costs(layout)))
+    """
+    costs = np.ones((layout.height, layout.width, 4), np.float32)
+    north, east, south, west = map(ACTIONS.index, "NESW")
+    costs[0::2, :, west] = costs[1::2, :, east] = wrong_way
+    costs[:, 0::2, north] = costs[:, 1::2, south] = wrong_way
+    return costs.reshape(-1, 4)
+
+
 def learned_costs(
-    layout: Layout,
-    robots: int,
-    trials: int = TRIALS,
-    steps: int = TRIAL_STEPS,
-    seed: int = 0,
-    starts: Integers | None = None,
-    goals: Integers | None = None,
-) -> Costs:
+    layout: Layout, robots: int, trials: int = TRIALS, steps: int = TRIAL_STEPS, seed: int = 0,
+    starts: Integers | None = None, goals: Integers | None = None,
+) -> Costs:  # fmt: skip
     """Return costs of moves learned from the traffic of trial runs, in the form of ``lane_costs``.
 
     In each trial, PIBT moves the robots with the current costs, which are weak lanes at first. The
