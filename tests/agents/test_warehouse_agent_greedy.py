@@ -4,12 +4,7 @@ from typing import Any
 
 import pytest
 
-from agents.warehouse_agent_greedy import (
-    GreedyAgent,
-    distance,
-    distance_after,
-    open_moves,
-)
+from agents.warehouse_agent_greedy import GreedyAgent, distance, distance_after, open_moves
 from warehouse_core import Cell, Observation, WarehouseEnv, record_episode
 
 OPEN = ["...", ".R.", "..."]

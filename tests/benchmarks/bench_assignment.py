@@ -15,13 +15,7 @@ from agents.fleet.optimum import most_deliveries
 from agents.lab.trials.interval import Interval, mean_interval
 from agents.mapf.assignment import ASSIGNMENTS
 from agents.registry import make_fleet_agent
-from warehouse_core import (
-    FleetEnv,
-    Layout,
-    OrderQueue,
-    OrderStream,
-    record_fleet_episode,
-)
+from warehouse_core import FleetEnv, Layout, OrderQueue, OrderStream, record_fleet_episode
 from warehouse_core.fleet import FleetMeasures
 from warehouse_core.world.generators import benchmark_warehouse
 from warehouse_core.world.named_layouts import DEPOT, find_layout

@@ -145,7 +145,6 @@ def test_most_mutants_are_noticed(tmp_path, measured) -> None:
         ]
     share = 1 - len(missed) / len(some)
     measured(
-        f"mutants caught, {len(some)} random ones of {len(mutants):,} (seed {SEED})",
-        f"{share:.1%}",
+        f"mutants caught, {len(some)} random ones of {len(mutants):,} (seed {SEED})", f"{share:.1%}"
     )
     assert share >= LEAST_SHARE, missed

@@ -79,10 +79,7 @@ def a_page(**changes: Any) -> Page:
         "title": "A title",
         "summary": "A summary",
         "methods": "The methods",
-        "answers": (
-            Answer("Is it so?", "It is.", ("Mostly.",)),
-            Answer("And that?", "No.", ()),
-        ),
+        "answers": (Answer("Is it so?", "It is.", ("Mostly.",)), Answer("And that?", "No.", ())),
         "pictures": (Picture("success", "A caption", SVG),),
         "settings": (("escape", "on, off"), ("memory", "5")),
         "tables": (

@@ -227,10 +227,7 @@ SUBMISSIONS = {
         "it wrote to the channel",
     ),
     "patches_json": Expected(
-        idle(
-            'json.dumps = lambda *_, **__: \'{"word": "", "action": "DROP"}\'',
-            "import json",
-        ),
+        idle('json.dumps = lambda *_, **__: \'{"word": "", "action": "DROP"}\'', "import json"),
         0,
         "it wrote to the channel",
     ),

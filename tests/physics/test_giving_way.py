@@ -3,13 +3,7 @@
 import math
 
 import pytest
-from helpers.physics_truth import (
-    differences_in_jams,
-    jams,
-    queue,
-    straight_queue,
-    winding_queue,
-)
+from helpers.physics_truth import differences_in_jams, jams, queue, straight_queue, winding_queue
 from helpers.rigid_bodies import EAST, NORTH, STAY, WEST, together
 
 from warehouse_core import Layout

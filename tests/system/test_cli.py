@@ -6,13 +6,7 @@ from importlib.metadata import entry_points, version
 from pathlib import Path
 
 import pytest
-from helpers.command_line import (
-    LEAVES,
-    Refused,
-    Warehouse,
-    in_a_process,
-    without_display,
-)
+from helpers.command_line import LEAVES, Refused, Warehouse, in_a_process, without_display
 from helpers.pictures import short_episode
 from PIL import Image
 

@@ -16,13 +16,7 @@ import pytest
 if __name__ == "__main__":
     sys.path[:0] = [str(Path(__file__).parents[1])]
 
-from helpers.hostile import (
-    Answers,
-    answers,
-    faults,
-    named_targets,
-    targets,
-)
+from helpers.hostile import Answers, answers, faults, named_targets, targets
 
 RECORD = Path(__file__).parents[1] / "data/answers.txt"
 

@@ -403,8 +403,7 @@ def test_all_floors_are_above_the_bar_on_a_projector(
     opened: Open, files: Files, track: Track, count: int
 ) -> None:
     page = opened(
-        files(f"row of {count}", lambda: [track] * count),
-        viewport={"width": 1280, "height": 720},
+        files(f"row of {count}", lambda: [track] * count), viewport={"width": 1280, "height": 720}
     )
     bottoms = "Math.max(...[...document.querySelectorAll('.floor')].map(BOTTOM))"
     bottom = "(each) => each.getBoundingClientRect().bottom"

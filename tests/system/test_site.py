@@ -132,11 +132,7 @@ def test_solutions_are_in_the_site_for_lecturers_alone(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", [*SITE, "genindex", "py-modindex"])
 @pytest.mark.parametrize(
     "options",
-    [
-        {"viewport": DESKTOP},
-        {"viewport": PROJECTOR},
-        {"viewport": PHONE, "color_scheme": "dark"},
-    ],
+    [{"viewport": DESKTOP}, {"viewport": PROJECTOR}, {"viewport": PHONE, "color_scheme": "dark"}],
 )
 def test_a_page_is_read_in_a_browser(
     browser: Any, site: Path, name: str, options: dict[str, Any]
@@ -161,10 +157,7 @@ def test_the_first_episode_of_the_mini_lab_plays(browser: Any, site: Path) -> No
 
 @pytest.mark.parametrize(
     ("words", "page"),
-    [
-        ("flowtime", "glossary.html"),
-        ("--plan-seconds", "reference/command_line.html"),
-    ],
+    [("flowtime", "glossary.html"), ("--plan-seconds", "reference/command_line.html")],
 )
 def test_the_search_finds_pages(browser: Any, site_address: str, words: str, page: str) -> None:
     reading = browser.new_page()

@@ -34,9 +34,7 @@ def aims(
 
 
 @pytest.mark.parametrize("is_person", [True, False])
-def test_a_robot_goes_around_an_obstacle_until_its_path_is_straight_again(
-    is_person: bool,
-) -> None:
+def test_a_robot_goes_around_an_obstacle_until_its_path_is_straight_again(is_person: bool) -> None:
     others = [] if is_person else [(0, 2)]
     found = aims(RING, [(0, 1), *others], [(0, 4), *others], [(0, 2)] * is_person, len(others))
     assert found[:PATIENCE] == [{}] * PATIENCE

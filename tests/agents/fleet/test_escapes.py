@@ -23,11 +23,7 @@ class Floor:
     """Robots that only make planned moves, and people whose steps a function gives."""
 
     def __init__(
-        self,
-        layout: Layout,
-        cells: list[Cell],
-        goals: list[Cell | None],
-        cell_steps: float = 1.0,
+        self, layout: Layout, cells: list[Cell], goals: list[Cell | None], cell_steps: float = 1.0
     ) -> None:
         self.layout, self.cells, self.people = layout, cells, list[Cell]()
         self._goals, self._fields = goals, Fields(Graph(layout))

@@ -18,10 +18,7 @@ STARTS = [LOWER, (1, 7), (7, 7), (4, 1)]
 ORDERS = [
     Order(step, 200, pickup, dropoff)
     for step, pickup, dropoff in zip(
-        (0, 0, 0, 5, 10, 15),
-        (LOWER, LOWER, UPPER) * 2,
-        SHELVES.dropoffs * 3,
-        strict=True,
+        (0, 0, 0, 5, 10, 15), (LOWER, LOWER, UPPER) * 2, SHELVES.dropoffs * 3, strict=True
     )
 ]
 

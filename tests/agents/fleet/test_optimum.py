@@ -67,9 +67,7 @@ def random_layout(stream: np.random.Generator) -> Layout:
     return Layout(["".join(row) for row in cells])
 
 
-def test_most_deliveries_equal_brute_force(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_most_deliveries_equal_brute_force(monkeypatch: pytest.MonkeyPatch) -> None:
     stream, different = np.random.default_rng(1), 0
     for seed in range(12):
         layout, robots = random_layout(stream), int(stream.integers(1, 4))

@@ -55,10 +55,7 @@ def test_the_wish_of_a_robot_is_the_cheapest_path_to_its_goal() -> None:
     log.add(PIBT(graph), Graph(layout), situation([11], [0]), np.array([10]))
     [(ways, wishes, pushers)] = log.plans
     assert ways == {0: [(2, 3), (2, 2)]}
-    assert (wishes, pushers) == (
-        {0: [(2, 2), (2, 3), (1, 3), (0, 3), (0, 2), (0, 1), (0, 0)]},
-        {},
-    )
+    assert (wishes, pushers) == ({0: [(2, 2), (2, 3), (1, 3), (0, 3), (0, 2), (0, 1), (0, 0)]}, {})
     assert graph.path(3, 3) == [3]
     assert Graph(Layout(["..#.."])).path(0, 4) == [0]
 

@@ -216,11 +216,7 @@ OPEN = Graph(Layout(["....", "..#.", "...."]))
         (situation([0]), [2], "robot 0 is to go from (0, 0) to (0, 2), which is not an open cell"),
         (situation([3]), [4], "robot 0 is to go from (0, 3) to (1, 0), which is not an open cell"),
         (situation([0]), [-1], "robot 0 is to go from (0, 0) to (-1, 3), which is not an open"),
-        (
-            situation([0, 3], stays=[1]),
-            [0, 2],
-            "robot 1 is to go from (0, 3) to (0, 2), but",
-        ),
+        (situation([0, 3], stays=[1]), [0, 2], "robot 1 is to go from (0, 3) to (0, 2), but"),
         (situation([0], closed=[1]), [1], "robot 0 is to enter (0, 1), which is closed"),
         (situation([0, 3]), [0], "the planner returned [0]; needed: a cell number for each of 2"),
         (situation([0]), None, "the planner returned None; needed"),
@@ -314,11 +310,7 @@ def test_planners_and_agents_of_a_user_are_distinguished(tmp_path: Path) -> None
     for name, assignment, message in (
         (f"{mine}:Acts", "urgent", "has act(), so it assigns orders itself; leave out"),
         (f"{mine}:Neither", None, "has no next_cells; needed: reset and next_cells, or reset and"),
-        (
-            "nobody",
-            None,
-            "no planner is called 'nobody'; allowed: auto, pibt, windowed, ",
-        ),
+        ("nobody", None, "no planner is called 'nobody'; allowed: auto, pibt, windowed, "),
         ("pibt", "soon", "no assignment is called 'soon'; allowed: fifo, nearest, hungarian, urg"),
         ("pibt:window=3", None, "planner 'pibt' takes no argument 'window'; allowed: turn_cost="),
     ):

@@ -23,9 +23,7 @@ def test_times_count_cells_and_turns_and_are_infinite_without_a_path() -> None:
 
 
 @pytest.mark.parametrize("moves", ["compass", "turn"])
-def test_a_charger_is_as_far_away_as_its_steps_whatever_lanes_cost(
-    moves: str,
-) -> None:
+def test_a_charger_is_as_far_away_as_its_steps_whatever_lanes_cost(moves: str) -> None:
     env = FleetEnv(HALL, 1, moves=moves)
     env.reset(seed=1)
     costs = Graph(HALL, lane_costs(HALL))

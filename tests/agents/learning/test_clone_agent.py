@@ -9,13 +9,7 @@ from agents.errors import AgentError
 from agents.learning.clone_agent import CloneAgent
 from agents.learning.map_memory import MapMemory
 from agents.registry import make_agent
-from warehouse_core import (
-    BatchEnv,
-    Layout,
-    WarehouseEnv,
-    random_layout,
-    record_episode,
-)
+from warehouse_core import BatchEnv, Layout, WarehouseEnv, random_layout, record_episode
 from warehouse_core.world.actions import ACTIONS
 
 FLOOR = random_layout(8, 9, 0.2, seed=1)

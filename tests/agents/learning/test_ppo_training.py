@@ -10,14 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.command_line import Warehouse, in_the_background
-from helpers.training import (
-    PROGRAM,
-    check_resumed,
-    check_seeds,
-    equal,
-    ignore,
-    shorten_exams,
-)
+from helpers.training import PROGRAM, check_resumed, check_seeds, equal, ignore, shorten_exams
 
 from agents.lab.commands import train
 from agents.lab.commands.train import make_learner

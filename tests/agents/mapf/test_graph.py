@@ -15,13 +15,7 @@ from agents.mapf.graph import CLOSED, Fields, Graph, HeadedFields
 from agents.mapf.guidance import lane_costs
 from agents.mapf.kernels.places import FAR
 from agents.mapf.pibt import PIBT
-from agents.mapf.planner import (
-    NO_CELLS,
-    Planner,
-    Situation,
-    check_step,
-    check_turns,
-)
+from agents.mapf.planner import NO_CELLS, Planner, Situation, check_step, check_turns
 from agents.mapf.problem import Problem
 from agents.mapf.windows import WindowedPlanner
 from agents.registry import make_planner

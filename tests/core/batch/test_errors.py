@@ -5,17 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.batches import (
-    CORRIDOR,
-    DISABLED,
-    EAST,
-    ROOM,
-    SHOP,
-    SOUTH,
-    WAIT,
-    WEST,
-    over_modes,
-)
+from helpers.batches import CORRIDOR, DISABLED, EAST, ROOM, SHOP, SOUTH, WAIT, WEST, over_modes
 
 from warehouse_core import BackendError, Layout, LayoutError
 from warehouse_core.batch import BatchEnv

@@ -7,14 +7,7 @@ import numpy as np
 import pytest
 from helpers.fleet_truth import WAIT, state_of
 
-from warehouse_core import (
-    FleetEnv,
-    Layout,
-    LayoutError,
-    Order,
-    OrderError,
-    OrderStream,
-)
+from warehouse_core import FleetEnv, Layout, LayoutError, Order, OrderError, OrderStream
 from warehouse_core.fleet import Battery, People
 
 SHOP = Layout(["P..D", "#..C"])

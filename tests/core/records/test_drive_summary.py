@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from agents import GreedyAgent
-from warehouse_core import (
-    EpisodeRecorder,
-    FleetEnv,
-    Layout,
-    WarehouseEnv,
-    record_episode,
-)
+from warehouse_core import EpisodeRecorder, FleetEnv, Layout, WarehouseEnv, record_episode
 from warehouse_core.records import Episode, FleetRecorder
 from warehouse_core.records.drive_summary import drive_summary
 

@@ -26,16 +26,7 @@ from warehouse_core.render.painter import (
     paint_once,
     tile_pixels_for,
 )
-from warehouse_core.render.palette import (
-    BATTERY,
-    COLORS,
-    FAINT,
-    ICE,
-    ICE_WAVE,
-    INK,
-    PAPER,
-    WARNING,
-)
+from warehouse_core.render.palette import BATTERY, COLORS, FAINT, ICE, ICE_WAVE, INK, PAPER, WARNING
 from warehouse_core.world.tiles import CELL_CODES
 
 YARD = Layout(["#####", "#P.D#", "#.PC#", "#####"])

@@ -153,9 +153,7 @@ def test_a_window_that_was_closed_stays_closed(desktop: Desktop, by_hand: bool) 
     assert desktop.told.count("closed") == (not by_hand)
 
 
-def test_a_window_may_be_closed_before_it_opens_and_while_a_picture_waits(
-    desktop: Desktop,
-) -> None:
+def test_a_window_may_be_closed_before_it_opens_and_while_a_picture_waits(desktop: Desktop) -> None:
     early = PictureWindow("a title")
     early.close()
     early.show(PICTURE, 10.0)

@@ -62,8 +62,7 @@ def test_an_action_is_useful_if_it_moves_waits_picks_or_delivers() -> None:
 
 
 @pytest.mark.parametrize(
-    ("steps", "battery", "expected"),
-    [(9, 1, False), (10, 1, True), (9, 0, True), (11, -1, True)],
+    ("steps", "battery", "expected"), [(9, 1, False), (10, 1, True), (9, 0, True), (11, -1, True)]
 )
 def test_an_episode_is_truncated_when_steps_or_battery_are_used_up(
     steps: int, battery: int, expected: bool

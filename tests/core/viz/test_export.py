@@ -13,14 +13,7 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 from helpers.documents import executable_nodes
-from helpers.pictures import (
-    HOSTILE_NAMES,
-    named,
-    pixels,
-    replay_of,
-    short_episode,
-    texts,
-)
+from helpers.pictures import HOSTILE_NAMES, named, pixels, replay_of, short_episode, texts
 from helpers.player import said_by
 from helpers.terminal import Terminal
 from PIL import Image, ImageSequence

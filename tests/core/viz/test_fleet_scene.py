@@ -8,10 +8,7 @@ from helpers.pictures import count_color, patch, pixels, replay_of, texts
 from PIL import Image
 
 from warehouse_core import FleetEpisode, Layout, save_frames_to_svg, shelf_layout
-from warehouse_core.render.palette import (
-    COLORS,
-    PAPER,
-)
+from warehouse_core.render.palette import COLORS, PAPER
 from warehouse_core.viz.replay import replay_of_tracks
 from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track
 

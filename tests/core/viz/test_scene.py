@@ -4,20 +4,11 @@ import dataclasses
 
 import pytest
 from helpers.fleets import fleet_episode
-from helpers.pictures import (
-    ROOM,
-    count_color,
-    patch,
-    pixels,
-    replay_of,
-    short_episode,
-)
+from helpers.pictures import ROOM, count_color, patch, pixels, replay_of, short_episode
 
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.records.plans import StepPlans
-from warehouse_core.render.palette import (
-    COLORS,
-)  # fmt: skip
+from warehouse_core.render.palette import COLORS  # fmt: skip
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.record_track import track_of_record

@@ -25,15 +25,7 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.shapes import DOTS, Shape, Shapes, lines
-from warehouse_core.viz.tracks.track import (
-    DrawnHit,
-    FleetFrame,
-    Frame,
-    Marks,
-    Pose,
-    Push,
-    Track,
-)
+from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Frame, Marks, Pose, Push, Track
 from warehouse_core.viz.view import GHOST, View
 
 FLOOR = ("......",) * 5

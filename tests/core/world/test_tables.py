@@ -3,10 +3,7 @@ import pytest
 
 from warehouse_core import Layout, LayoutError
 from warehouse_core.world import tables as floor_tables
-from warehouse_core.world.tables import (
-    LayoutSet,
-    windows_table,
-)
+from warehouse_core.world.tables import LayoutSet, windows_table
 
 SHOP = Layout(["P.#", "D.."])
 LANE = Layout([".#P."])

@@ -21,9 +21,7 @@ def shown(monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *steps: int) -> 
     return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", screen.getvalue())
 
 
-def test_a_terminal_gets_a_bar_with_count_times_and_news(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_terminal_gets_a_bar_with_count_times_and_news(monkeypatch: pytest.MonkeyPatch) -> None:
     line = re.split(r"[\r\n]+", shown(monkeypatch, Terminal(), 40, 100).strip())[-1]
     assert re.search(r"Q-learning [━╸╺ ]+ 100/200 \d:\d\d:\d\d \d:\d\d:\d\d 100 seen", line)
 
@@ -46,9 +44,7 @@ def test_without_a_terminal_there_is_no_bar_but_a_line_a_minute(
     )
 
 
-def test_a_command_in_a_notebook_has_a_terminal_but_no_bar(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_command_in_a_notebook_has_a_terminal_but_no_bar(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("JPY_PARENT_PID", "1")
     assert shown(monkeypatch, Terminal(), 100) == ""
 

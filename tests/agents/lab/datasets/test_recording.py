@@ -14,14 +14,7 @@ from helpers.fleets import SHELVES, Couriers
 from mcap.reader import make_reader
 
 from agents.lab.datasets.recording import save_recording
-from warehouse_core import (
-    Episode,
-    EpisodeRecorder,
-    FleetEnv,
-    FleetEpisode,
-    Layout,
-    WarehouseEnv,
-)
+from warehouse_core import Episode, EpisodeRecorder, FleetEnv, FleetEpisode, Layout, WarehouseEnv
 from warehouse_core.records import FleetRecorder
 
 ROOM = Layout(["######", "#PP.D#", "#.C..#", "######"])

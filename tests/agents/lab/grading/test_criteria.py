@@ -108,11 +108,7 @@ def failed(run: Run, step: int, failure: AgentFailureError = CRASH) -> Run:
     ],
 )  # fmt: skip
 def test_a_measure_is_told_with_the_worst_episode(
-    criterion: Criterion,
-    runs: list[Run],
-    points: float,
-    seen: str,
-    worst: tuple[int, str] | None,
+    criterion: Criterion, runs: list[Run], points: float, seen: str, worst: tuple[int, str] | None
 ) -> None:
     found = judged(criterion, *runs)
     assert (found.points, found.seen) == (points, seen)

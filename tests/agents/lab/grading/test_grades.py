@@ -44,9 +44,7 @@ def grades_of(name: str) -> dict[str, dict[str, str]]:
     return {name: row}
 
 
-def test_of_two_programs_with_the_same_table_one_is_told_and_no_row_is_lost(
-    tmp_path: Path,
-) -> None:
+def test_of_two_programs_with_the_same_table_one_is_told_and_no_row_is_lost(tmp_path: Path) -> None:
     path = tmp_path / "grades.csv"
     first, second = GradeTable(path, COLUMNS), GradeTable(path, COLUMNS)
     assert first.before == {}

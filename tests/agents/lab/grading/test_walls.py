@@ -130,13 +130,7 @@ class Kernel:
 
 @pytest.mark.parametrize(
     ("version", "numbers"),
-    [
-        (3, (0x7FFF,)),
-        (4, (0x7FFF, 3)),
-        (5, (0xFFFF, 3)),
-        (6, (0xFFFF, 3, 3)),
-        (7, (0xFFFF, 3, 3)),
-    ],
+    [(3, (0x7FFF,)), (4, (0x7FFF, 3)), (5, (0xFFFF, 3)), (6, (0xFFFF, 3, 3)), (7, (0xFFFF, 3, 3))],
 )
 def test_landlock_is_asked_for_all_that_its_version_can_refuse(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, version: int, numbers: tuple[int, ...]

@@ -96,11 +96,7 @@ def test_folders_are_left_out_where_file_names_are_unique(tmp_path: Path) -> Non
     assert design_of(layout=["default", *names[1:]]).factors == (
         Factor(
             "layout",
-            (
-                "default (stations drawn)",
-                "hall.txt (stations kept)",
-                "yard.txt (stations kept)",
-            ),
+            ("default (stations drawn)", "hall.txt (stations kept)", "yard.txt (stations kept)"),
         ),
     )
     [factor] = design_of(layout=names).factors

@@ -3,14 +3,7 @@
 from helpers.results_files import OFF, ON, experiment_of, fleet_row, outcomes, row
 
 from agents.lab.experiments.store import Store
-from agents.lab.reports.results import (
-    FLEETS,
-    JOULES,
-    PER_HOUR,
-    STEPS,
-    SUCCESS,
-    Results,
-)
+from agents.lab.reports.results import FLEETS, JOULES, PER_HOUR, STEPS, SUCCESS, Results
 from agents.lab.trials.interval import Interval, paired_share_interval, share_interval
 
 

@@ -5,9 +5,7 @@ import pytest
 from helpers.results_files import BAD, row, scores_of
 
 from agents.lab.training import curve as learning_curve
-from agents.lab.training.curve import (
-    save_learning_curve,
-)
+from agents.lab.training.curve import save_learning_curve
 from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.scores import Scores
 from warehouse_core.viz.figure import SceneFigure, make_figure

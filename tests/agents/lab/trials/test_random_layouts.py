@@ -3,11 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.lab.trials.random_layouts import (
-    MAX_POOL,
-    RandomLayouts,
-    VariedLayouts,
-)
+from agents.lab.trials.random_layouts import MAX_POOL, RandomLayouts, VariedLayouts
 from agents.lab.trials.task import Task
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout, LayoutError

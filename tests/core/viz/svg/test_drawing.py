@@ -20,14 +20,7 @@ from warehouse_core.viz.svg import animated_svg, drawing
 from warehouse_core.viz.svg.drawing import REST_SECONDS
 from warehouse_core.viz.tracks.history import skids_of
 from warehouse_core.viz.tracks.record_track import track_of_record
-from warehouse_core.viz.tracks.track import (
-    CONTINUOUS_FRAMES,
-    INTERVAL_MS,
-    Frame,
-    Pose,
-    Push,
-    Track,
-)
+from warehouse_core.viz.tracks.track import CONTINUOUS_FRAMES, INTERVAL_MS, Frame, Pose, Push, Track
 from warehouse_core.wording import seconds_of
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -13,14 +13,7 @@ from time import sleep
 import pytest
 from helpers.command_line import ROOT, Refused, Warehouse, heed_interrupts
 from helpers.documents import executable_nodes
-from helpers.submissions import (
-    GOOD,
-    RUBRIC,
-    idle,
-    running_in,
-    write_rubric,
-    write_submissions,
-)
+from helpers.submissions import GOOD, RUBRIC, idle, running_in, write_rubric, write_submissions
 
 from agents.errors import WorkerError
 from agents.lab.commands.grade.folder import _is_done, _row
