@@ -8,6 +8,7 @@ these files with ``git diff``, run ``git config diff.gzip.textconv "gzip -dc"``.
 
 import gzip
 import json
+import math
 import re
 import sys
 from collections.abc import Callable, Iterator
@@ -73,13 +74,14 @@ from warehouse_core import (
     shelf_layout,
 )
 from warehouse_core.records.plans import StepPlans
+from warehouse_core.render.palette import LOOK
 from warehouse_core.viz.axes.heat_map import congestion_picture, heat_map
 from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.viz.player import player_page
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.svg import animated_svg
 from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
-from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Waiting
+from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Marks, Push, Waiting
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec, Stop
 
 RECORDS = Path(__file__).parents[1] / "data/recorded"
@@ -297,6 +299,41 @@ def track_with_all_signs(rows: tuple[str, ...]) -> Track:
     )  # fmt: skip
 
 
+def details() -> Lines:
+    """Yield small tracks with what no episode has, such as skid marks, ghosts and marks."""
+    floor = ("P....D", ".##...", "..C...", "......")
+    pushes = (
+        None, Push((1.0, 0.0), (60.0, 0.0)), Push((0.5, 0.0), (-60.0, 0.0), skids=True),
+        Push((0.0, 0.0), (0.0, 0.0)), Push((90.0, 0.0), (0.0, 2.0)), Push((0.0, 2.0), (9.0, 9.0)),
+    )  # fmt: skip
+    bodies = [Pose((n + 0.5, 3.5), n / 2, n > 2, push) for n, push in enumerate(pushes)]
+    frames = [Frame(floor, (pose,), float(n), clock=float(n)) for n, pose in enumerate(bodies)]
+    for drive in ("differential", "tracked"):
+        body = Track(frames, {}, is_continuous=True, drive=drive, slippery=((3, 1), (3, 2)))
+        body.ghost = [(step + 0.5, 0.5) for step in range(len(frames))]
+        yield from of_tracks(body)
+    hops = [*(Pose((n % 2 + 0.5, 0.5), None, n > 3) for n in range(9)), None]
+    hits = [DrawnHit(at, said) for at, said in (((0.0, 2.0), "wall"), ((6.0, 0.0), "12 N·s"))]
+    frames = [
+        Frame(floor, (pose,), float(n), hits=(hits[n % 2], DrawnHit((3.0, 3.0), "")))
+        for n, pose in enumerate(hops)
+    ]
+    levels = [40.0, 39.0, 20.0, 8.0, 7.9, 7.0, 1.0, 0.0, math.nan, 45.0]
+    yield from of_tracks(Track(frames, {"battery": levels}, full_battery=40.0, motor_strength=0.5))
+    cells, colors = [(0, 0), (0, 1), (0, 0), (3, 3)], [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0)]
+    names, ends = ["expanded", "frontier"], ((0, 0), (2, 5))
+    marks = Marks([0, 1, 2, 3], cells, [0, 0, 1, 1], colors, names, ends)
+    frames = [Frame(floor, (), float(n), clock=float(n)) for n in range(3)]
+    frames[2].route = (0.5, 0.5), (5.5, 2.5)
+    yield from of_tracks(Track(frames, {}, marks=marks, title="Search"))
+    few = LOOK["battery"]["few"]
+    for robots, width in ((few, 8), (few + 1, 8), (few + 1, 24), (few + 1, 61)):
+        poses = tuple(Pose((n % width + 0.5, n // width + 0.5), 0.0, False) for n in range(robots))
+        battery = tuple((0.0, 0.24, 0.25, 0.9)[n % 4] for n in range(robots))
+        fleet = FleetFrame((), (None,) * robots, battery)
+        yield from of_tracks(Track([Frame(("." * width,) * 4, poses, 0.0, fleet=fleet)], {}))
+
+
 def pair() -> Lines:
     yield from of_tracks(
         track_of_record(short_episode()), track_of_record(run_episode("greedy", "grid", seed=12))
@@ -475,7 +512,7 @@ PROGRAM = re.compile(r',"?warehouse-lab.*')
 
 KINDS = (
     version, options, interface, rows, planners, lone, seen, bodies, fleet, driven,
-    slipping, signs, pair, maps, charts, reports, episodes, shifts, pixels, grades, sweeps,
+    slipping, signs, details, pair, maps, charts, reports, episodes, shifts, pixels, grades, sweeps,
 )  # fmt: skip
 
 COMMANDS = (
