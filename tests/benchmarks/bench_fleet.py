@@ -1,27 +1,20 @@
-"""Robot-steps per second of fleets and of POGEMA, long runs, and fleets that must not freeze.
+"""Robot-steps per second of fleets and of POGEMA, and long runs.
 
 POGEMA runs with the Python in the environment variable ``POGEMA_PYTHON``, by default with this one.
 Times are the best of several rounds, in wall-clock time and in CPU time. ``TRUTH_SHARE=0.1`` runs a
 tenth of the steps in long runs.
-
-A stretch is a number of steps in which nothing is picked or delivered although orders are waiting.
-If there are people, only steps count in which a pick or delivery was possible, see ``can_work``.
-Where people block each other, no robot may be able to work.
 """
 
 import json
 import os
-import random
 import subprocess
 import sys
 import time
-import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from heapq import heappop, heappush
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -39,13 +32,9 @@ from helpers.fleet_truth import (
 )
 from helpers.timing import resident
 
-from agents.registry import make_fleet_agent
-from warehouse_core import FleetEnv, Layout, LayoutError, OrderQueue, OrderStream, shelf_layout
+from warehouse_core import FleetEnv, Layout
 from warehouse_core.compiled import IS_COMPILED
-from warehouse_core.fleet import FleetBatch, People
-from warehouse_core.task.rules import CHARGE
-from warehouse_core.world.distances import distances
-from warehouse_core.world.tiles import EMPTY, WALL, Cell
+from warehouse_core.fleet import FleetBatch
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*can keep")
 
@@ -261,250 +250,3 @@ def test_nominal_bodies_equal_the_grid(measured) -> None:
         f"fleets of bodies compared with the grid, {moves:,} joint actions of 2 to 100 robots",
         f"0 differences; {words}",
     )
-
-
-MAX_STATES = 15_000
-SIDES = (0, 1), (1, 0), (0, -1), (-1, 0)
-
-
-def can_work(env: FleetEnv) -> bool:
-    """Return whether any sequence of moves lets a robot pick or deliver a waiting order."""
-    people, waiting = walks(env), [env.orders[index].pickup for index in env.open_orders]
-    for robot, cell in enumerate(env.cells):
-        index = env.order_of[robot]
-        if env.loaded[robot] and index is not None:
-            targets = [env.orders[index].dropoff]
-        else:
-            targets = waiting if index is None else [*waiting, env.orders[index].pickup]
-        others = frozenset(env.cells) - {cell}
-        if any(can_reach(env, cell, others, people, target) for target in {*targets}):
-            return True
-    return False
-
-
-def walks(env: FleetEnv) -> list[Any]:
-    """Return the distances to the goal of each person, or ``None`` for people without a goal."""
-    walkers: Any = env._engine.walkers
-    if not walkers._walks_to_stations:
-        return [None] * len(env.people)
-    paths, fields = walkers._paths, []
-    for goal in walkers._goals[0].tolist():
-        first = paths._first[0] + goal * paths._size[0]
-        number = int(np.flatnonzero(paths._is_goal[first : first + paths._size[0]])[0])
-        fields.append(distances(env.layout, [env.layout.cell(number)]))
-    return fields
-
-
-def can_reach(
-    env: FleetEnv, start: Cell, others: frozenset[Cell], fields: list[Any], target: Cell
-) -> bool:
-    """Return ``True`` if a robot can reach a cell, or if the search has too many states."""
-    steps = distances(env.layout, [target])
-    people = tuple((cell, field is None) for cell, field in zip(env.people, fields, strict=True))
-    first = start, others, people
-    known, heap = {first}, [(steps[start], 0, first)]
-    while heap:
-        chief, robots, people = heappop(heap)[-1]
-        if chief == target or len(known) > MAX_STATES:
-            return True
-        taken, after = {chief, *robots, *(cell for cell, _ in people)}, list[Any]()
-        for cell in (chief, *robots, *(cell for cell, _ in people)):
-            for down, right in SIDES:
-                to = cell[0] + down, cell[1] + right
-                if to in taken or not env.layout.is_open(to):
-                    continue
-                if cell == chief:
-                    after.append((to, robots, people))
-                elif cell in robots:
-                    after.append((chief, robots - {cell} | {to}, people))
-                else:
-                    [person] = [at for at, each in enumerate(people) if each[0] == cell]
-                    field = fields[person]
-                    is_free = people[person][1] or field[cell] == 0
-                    if is_free or field[to] < field[cell]:
-                        moved = (*people[:person], (to, is_free), *people[person + 1 :])
-                        after.append((chief, robots, moved))
-        for state in after:
-            if state not in known:
-                known.add(state)
-                heappush(heap, (steps[state[0]], len(known), state))
-    return False
-
-
-PLANNERS, ASSIGNMENTS = ["pibt", "pibt:guidance=lanes"], ["urgent", "hungarian", "nearest"]
-FLEETS, CHARGED_FLEETS, STEPS, LONG_STRETCH, SUPPLY = 200, 100, 800, 100, 1.2
-SHORT_STRETCH, LOOK_EVERY = 20, 5
-FOREVER = 10**6
-
-
-class Shift(NamedTuple):
-    """The results of a run.
-
-    Attributes:
-        stretch: longest stretch.
-        possible: most steps of a stretch in which a pick or delivery was possible.
-        enclosed: longest time in steps for which robots enclosed a person.
-        delivered: number of deliveries.
-        flat: number of robots with a flat battery.
-    """
-
-    stretch: int
-    possible: int
-    enclosed: int
-    delivered: int
-    flat: int
-
-
-def drive(layout: Layout, robots: int, planner: str, assignment: str, seed: int, **settings: Any):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        env = FleetEnv(layout, robots, dispatch=False, **settings)
-    agent = make_fleet_agent(planner, assignment, seed, layout, robots)
-    env.reset(seed=seed)
-    last, stretch, enclosed, longest, loaded = 0, 0, [0] * len(env.people), 0, env.loaded
-    can, could, possible = True, 0, 0
-    while not all(env.ended):
-        env.step(agent.act(env))
-        if env.loaded != loaded or all(order.delivered is not None for order in env.orders):
-            last, can, could = env.steps, True, -1
-        since = env.steps - last
-        if env.people and since > SHORT_STRETCH and since % LOOK_EVERY == 0:
-            can = can_work(env)
-        could += can
-        possible = max(possible, could)
-        stretch, loaded, cells = max(stretch, since), env.loaded, set(env.cells)
-        for person, cell in enumerate(env.people):
-            is_free = any(side not in cells for side in sides(layout, cell))
-            enclosed[person] = 0 if is_free else enclosed[person] + 1
-            longest = max(longest, enclosed[person])
-    return Shift(stretch, possible, longest, env.measures.delivered, env.measures.stranded)
-
-
-def sides(layout: Layout, cell: Cell) -> list[Cell]:
-    """Return the open cells next to a cell."""
-    return [
-        (cell[0] + down, cell[1] + right)
-        for down, right in SIDES
-        if layout.is_open((cell[0] + down, cell[1] + right))
-    ]
-
-
-def aisles(stream: random.Random, seed: int) -> Layout:
-    sizes = stream.randint(2, 4), stream.randint(2, 4), stream.randint(3, 6), stream.randint(1, 2)
-    stations = {"pickups": stream.randint(3, 6), "dropoffs": stream.randint(2, 3)}
-    return shelf_layout(*sizes, 1, seed=seed, **stations)
-
-
-def corridors(stream: random.Random, has_loops: bool) -> Layout:
-    """Return a tree of corridors, or loops by opening a wall at each dead end."""
-    height, width = stream.randint(3, 5), stream.randint(3, 6)
-    tiles = [[WALL] * (2 * width + 1) for _ in range(2 * height + 1)]
-    tiles[1][1], rooms = EMPTY, [(1, 1)]
-    while len(rooms) < height * width:
-        row, col = stream.choice(rooms)
-        down, right = stream.choice(SIDES)
-        to = row + 2 * down, col + 2 * right
-        if 0 < to[0] < 2 * height and 0 < to[1] < 2 * width and to not in rooms:
-            tiles[row + down][col + right] = tiles[to[0]][to[1]] = EMPTY
-            rooms.append(to)
-    for row, col in rooms if has_loops else []:
-        nearby = [(row + down, col + right) for down, right in SIDES]
-        walls = [each for each in nearby if tiles[each[0]][each[1]] == WALL]
-        walls = [each for each in walls if 0 < each[0] < 2 * height and 0 < each[1] < 2 * width]
-        if len(walls) and sum(tiles[r][c] == EMPTY for r, c in nearby) < 2:
-            row, col = stream.choice(walls)
-            tiles[row][col] = EMPTY
-    layout = Layout(["".join(line) for line in tiles])
-    pickups, dropoffs = stream.randint(2, 5), stream.randint(2, 4)
-    stations = stream.sample(layout.cells(layout.open_cells), pickups + dropoffs)
-    return layout.with_tiles(stations[:pickups], stations[pickups:], ())
-
-
-def crowded(seed: int) -> Shift:
-    stream = random.Random(seed)
-    kind = seed % 3
-    layout = aisles(stream, seed) if kind == 0 else corridors(stream, has_loops=kind == 1)
-    most = (0.25, 0.2, 0.08)[kind]
-    robots = max(2, round(stream.uniform(0.03, most) * len(layout.open_cells)))
-    people = People(stream.randint(1, 3), stream.choice(["stations", "aisles"]))
-    return drive(
-        layout, robots, stream.choice(PLANNERS), stream.choice(ASSIGNMENTS), seed,
-        orders=OrderQueue(2 * robots), people=people, battery=FOREVER, max_steps=STEPS,
-    )  # fmt: skip
-
-
-def charged(seed: int) -> Shift:
-    stream = random.Random(1000 + seed)
-    while True:
-        sizes = [stream.randint(*each) for each in ((2, 5), (2, 5), (3, 7), (1, 2))]
-        counts = {"pickups": (3, 8), "dropoffs": (2, 4), "chargers": (2, 8)}
-        stations: Any = {name: stream.randint(*each) for name, each in counts.items()}
-        robots = int(CHARGE * stations["chargers"] / stream.uniform(SUPPLY, 4))
-        try:
-            layout = shelf_layout(*sizes, 1 + seed % 2, seed=seed, **stations)
-        except LayoutError:
-            continue
-        if robots <= 0.2 * len(layout.open_cells):
-            break
-    return drive(
-        layout, robots, stream.choice(PLANNERS), stream.choice(ASSIGNMENTS), seed,
-        orders=OrderQueue(2 * robots), battery=stream.choice([200, 300, 400, 600]), max_steps=STEPS,
-    )  # fmt: skip
-
-
-def test_a_person_among_eleven_robots_in_narrow_aisles(measured) -> None:
-    layout = shelf_layout(3, 4, 5, aisle=1, pickups=6, dropoffs=3, seed=1)
-    settings: Any = {"orders": OrderStream(0.4), "people": 1, "battery": FOREVER}
-    found = [
-        drive(layout, 11, "pibt:guidance=lanes", "urgent", seed, max_steps=2500, **settings)
-        for seed in range(6)
-    ]
-    measured(
-        "11 robots and a person in aisles 1 cell wide, six seeds with 2,500 steps",
-        f"at most {max(f.stretch for f in found)} steps without a pick or delivery; the person "
-        f"enclosed for at most {max(f.enclosed for f in found)} steps; "
-        f"{sum(f.delivered for f in found):,} deliveries",
-    )
-    assert max(each.stretch for each in found) < LONG_STRETCH
-
-
-@pytest.mark.parametrize(("kind", "name"), [(0, "aisles 1 cell wide"), (1, "loops"), (2, "trees")])
-def test_random_fleets_with_people(kind: int, name: str, measured) -> None:
-    found = [crowded(seed) for seed in range(kind, FLEETS, 3)]
-    frozen = sum(each.stretch >= LONG_STRETCH for each in found)
-    at_fault = sum(each.possible >= LONG_STRETCH for each in found)
-    measured(
-        f"random fleets with people, {name}",
-        f"{frozen} of {len(found)} fleets have {LONG_STRETCH} steps without a pick or delivery, "
-        f"and {at_fault} have {LONG_STRETCH} such steps in which one was possible; people enclosed "
-        f"for at most {max(each.enclosed for each in found)} steps; "
-        f"{sum(each.delivered for each in found):,} deliveries",
-    )
-    # In trees, progress also depends on people, who do not back off.
-    assert at_fault == 0 or kind == 2
-
-
-def test_robots_in_narrow_aisles_whose_chargers_supply_enough(measured) -> None:
-    layout = shelf_layout(4, 4, 6, aisle=1, pickups=4, dropoffs=3, chargers=6, seed=1)
-    settings: Any = {"orders": OrderQueue(48), "battery": 200, "max_steps": 2000}
-    flat = [
-        drive(layout, 24, planner, "urgent", seed, **settings).flat
-        for planner in PLANNERS
-        for seed in range(4)
-    ]
-    measured(
-        "24 robots and 6 chargers in aisles 1 cell wide",
-        f"robots with a flat battery in each of 8 shifts: {flat}",
-    )
-    assert sum(flat) <= 1  # 11 to 22 in each shift if robots do not take turns
-
-
-def test_random_fleets_with_chargers(measured) -> None:
-    found = [charged(seed) for seed in range(CHARGED_FLEETS)]
-    flat = [each.flat for each in found]
-    measured(
-        f"random fleets with chargers that supply {SUPPLY} to 4 times the consumption",
-        f"{sum(flat)} robots with a flat battery in {sum(map(bool, flat))} of {len(found)} fleets; "
-        f"{sum(each.delivered for each in found):,} deliveries",
-    )
-    assert sum(map(bool, flat)) <= 2

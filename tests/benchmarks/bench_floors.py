@@ -15,18 +15,18 @@ import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
-from benchmarks.bench_fleet import SIDES, aisles, corridors
 
 from agents.registry import make_fleet_agent
-from warehouse_core import FleetEnv, Layout, OrderQueue
+from warehouse_core import FleetEnv, Layout, OrderQueue, shelf_layout
 from warehouse_core.fleet import People
 from warehouse_core.task.rules import CHARGE
 from warehouse_core.world.distances import distances
-from warehouse_core.world.tiles import Cell
+from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
 FLOORS, STEPS, LONG, LOOK_EVERY = int(os.environ.get("FLOORS", "40")), 600, 100, 5
 FOREVER, FIRST_SEED = 10**6, 77_000
 KINDS = "aisles", "loops", "trees", "rooms"
+SIDES = (0, 1), (1, 0), (0, -1), (-1, 0)
 
 
 class Case(NamedTuple):
@@ -47,6 +47,37 @@ class Outcome(NamedTuple):
     flat: int
     stood: int
     slowest: float
+
+
+def aisles(stream: random.Random, seed: int) -> Layout:
+    sizes = stream.randint(2, 4), stream.randint(2, 4), stream.randint(3, 6), stream.randint(1, 2)
+    stations = {"pickups": stream.randint(3, 6), "dropoffs": stream.randint(2, 3)}
+    return shelf_layout(*sizes, 1, seed=seed, **stations)
+
+
+def corridors(stream: random.Random, has_loops: bool) -> Layout:
+    """Return a tree of corridors, or loops by opening a wall at each dead end."""
+    height, width = stream.randint(3, 5), stream.randint(3, 6)
+    tiles = [[WALL] * (2 * width + 1) for _ in range(2 * height + 1)]
+    tiles[1][1], rooms = EMPTY, [(1, 1)]
+    while len(rooms) < height * width:
+        row, col = stream.choice(rooms)
+        down, right = stream.choice(SIDES)
+        to = row + 2 * down, col + 2 * right
+        if 0 < to[0] < 2 * height and 0 < to[1] < 2 * width and to not in rooms:
+            tiles[row + down][col + right] = tiles[to[0]][to[1]] = EMPTY
+            rooms.append(to)
+    for row, col in rooms if has_loops else []:
+        nearby = [(row + down, col + right) for down, right in SIDES]
+        walls = [each for each in nearby if tiles[each[0]][each[1]] == WALL]
+        walls = [each for each in walls if 0 < each[0] < 2 * height and 0 < each[1] < 2 * width]
+        if len(walls) and sum(tiles[r][c] == EMPTY for r, c in nearby) < 2:
+            row, col = stream.choice(walls)
+            tiles[row][col] = EMPTY
+    layout = Layout(["".join(line) for line in tiles])
+    pickups, dropoffs = stream.randint(2, 5), stream.randint(2, 4)
+    stations = stream.sample(layout.cells(layout.open_cells), pickups + dropoffs)
+    return layout.with_tiles(stations[:pickups], stations[pickups:], ())
 
 
 def rooms(stream: random.Random) -> Layout:
