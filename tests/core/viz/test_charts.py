@@ -1,42 +1,13 @@
 """The axes of charts, and what is drawn into them."""
 
 import math
-from typing import Any
 
 import pytest
 
-from agents.run_episode import run_episode
-from warehouse_core.viz.charts import BatteryBar, Chart, charts_of, fit
+from warehouse_core.viz.charts import BatteryBar, Chart, fit
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.series import Series
 from warehouse_core.viz.tracks.track import Frame, Track
-
-
-@pytest.fixture
-def physics() -> Track:
-    return track_of_record(run_episode(backend="physics", seed=12))
-
-
-def points(line: Any) -> list[tuple[float, float]]:
-    return [*zip(line.get_xdata(), line.get_ydata(), strict=True)]
-
-
-def test_charts_of_bodies_are_in_seconds_and_of_tracks_that_grow_in_steps(physics: Track) -> None:
-    for length, label, last in ((None, "seconds", physics.frames[-1].clock), (51, "step", 23)):
-        scene = Scene([physics], make_figure, length=length)
-        charts = scene.root.axes[1:6]
-        assert [axes.get_title(loc="left").split(":")[0] for axes in charts] == [
-            "Reward", "Distance (cells)", "Speed (m/s)", "Motor force (N)", "Energy used (J)"
-        ]  # fmt: skip
-        assert [axes.get_xlabel() for axes in charts] == ["", "", "", "", label]
-        assert points(charts[0].lines[2])[-1][0] == last
-        end = points(charts[4].lines[1])[-1]
-        assert end == pytest.approx((last, physics.frames[-1].energy))
-        assert max(speed for _, speed in points(charts[2].lines[1])) == pytest.approx(1.0)
-        low, high = charts[0].get_xlim()
-        assert low < 0 < last < high
 
 
 @pytest.mark.parametrize(
@@ -50,21 +21,6 @@ def test_a_range_grows_with_a_margin_where_values_leave_it(
     axes.set_ylim(-1, 1)
     fit(axes, values)
     assert axes.get_ylim() == pytest.approx((low, high))
-
-
-def test_charts_are_those_that_have_something_to_show(physics: Track) -> None:
-    still = Track([Frame(("..",), (), 0.0)], {"rewards": [0.0]})
-    assert [*charts_of(still, [0.0])] == ["Reward"]
-    assert [*charts_of(Track(still.frames, {}), [0.0])] == []
-
-
-def test_an_axis_of_orders_has_only_whole_numbers() -> None:
-    figure = make_figure((3, 2))
-    axes = figure.add_axes((0, 0, 1, 1))
-    orders = Series("Orders", "delivered", "steps", "ink", [0.0, 1.0], [0.0, 5.0])
-    Chart(figure, axes, [orders], 1)
-    ticks = axes.yaxis.get_major_locator().tick_values(0, 5)
-    assert [tick % 1 for tick in ticks] == [0] * len(ticks)
 
 
 def test_steps_of_deliveries_are_written_as_early_or_late() -> None:

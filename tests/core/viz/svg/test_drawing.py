@@ -1,6 +1,5 @@
 """Animated drawings, sampled at the time of each frame as SMIL defines it."""
 
-import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
@@ -14,13 +13,12 @@ from helpers.fleets import fleet_episode
 from helpers.pictures import HOSTILE_NAMES, named, replay_of, short_episode
 
 from agents.lab.commands.run import run_episode
-from warehouse_core import FleetEpisode, Layout
+from warehouse_core import FleetEpisode
 from warehouse_core.errors import FormatError
 from warehouse_core.viz.svg import animated_svg, drawing
 from warehouse_core.viz.svg.drawing import REST_SECONDS
-from warehouse_core.viz.tracks.history import skids_of
 from warehouse_core.viz.tracks.record_track import track_of_record
-from warehouse_core.viz.tracks.track import CONTINUOUS_FRAMES, INTERVAL_MS, Frame, Pose, Push, Track
+from warehouse_core.viz.tracks.track import CONTINUOUS_FRAMES, INTERVAL_MS, Track
 from warehouse_core.wording import seconds_of
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -99,11 +97,6 @@ def places(shown: Drawing, frame: int, look: str) -> list[tuple[float, ...]]:
     ]
 
 
-def classes(shown: Drawing, frame: int) -> list[str]:
-    """Return the classes of all that is seen in a frame."""
-    return [str(attributes.get("class")) for _, attributes in shown.shown(frame)]
-
-
 def near(found: Sequence[tuple[float, ...]], expected: Sequence[tuple[float, float]]) -> bool:
     found = sorted(tuple(round(2 * part) for part in each) + each for each in found)
     expected = sorted((*(round(2 * part) for part in each), *each) for each in expected)
@@ -162,37 +155,6 @@ def test_robots_of_a_fleet_have_their_places_numbers_and_orders_in_each_frame() 
     assert any(frame.fleet and frame.fleet.waiting for frame in track.frames)
 
 
-def test_an_empty_battery_and_a_low_one_are_told() -> None:
-    track = track_of_record(fleet_episode(max_steps=40, battery=12))
-    shown, last = Drawing(track), len(track) - 1
-    fleet = track.frames[-1].fleet
-    assert fleet is not None
-    assert len(places(shown, last, "stranded")) == sum(level <= 0 for level in fleet.battery) > 0
-    assert classes(shown, last).count("warning") == sum(level < 0.25 for level in fleet.battery)
-
-
-def test_a_wide_floor_has_neither_lines_nor_names_and_few_batteries_but_its_ice() -> None:
-    layout = Layout(["P" + "." * 49, "." * 50, "#" + "." * 49, "." * 50])
-    track = track_of_record(fleet_episode(layout=layout, robots=13, orders=None, max_steps=2))
-    many = fleet_episode(layout=Layout(["P" + "." * 69]), robots=2, orders=None, max_steps=1)
-    track.slippery = ((1, 1), (2, 0))
-    shown = Drawing(track)
-    assert len(places(shown, 1, "robot")) == 13
-    assert not {"1", "12"} & {*shown.texts(1)}
-    assert Drawing(track_of_record(many)).texts(0).count("P") == 0
-    looks = ("of-line", "battery", "ice")
-    assert [classes(shown, 1).count(look) for look in looks] == [0, 0, 1]
-    few = Drawing(track_of_record(fleet_episode(layout=layout, orders=None, max_steps=2)))
-    assert classes(few, 1).count("battery") == 4
-
-
-def test_a_robot_that_is_not_there_yet_is_not_seen() -> None:
-    poses = (None, Pose((0.5, 0.5), None, False), Pose((1.5, 0.5), None, False))
-    frames = [Frame(("..",), (pose, None), float(n)) for n, pose in enumerate(poses)]
-    shown = Drawing(Track(frames, {}))
-    assert [len(places(shown, number, "robot")) for number in range(3)] == [0, 1, 1]
-
-
 def test_a_drawing_is_one_safe_file_whatever_is_in_its_names() -> None:
     for name in HOSTILE_NAMES:
         text = animated_svg([track_of_record(named(name))], title=name)
@@ -237,49 +199,3 @@ def test_a_replay_is_saved_as_a_moving_drawing_or_a_still_one(tmp_path: Path) ->
 
 
 # Bodies.
-
-
-@pytest.mark.parametrize("drive", ["omnidirectional", "differential"])
-def test_a_body_has_its_drive_arrows_and_brake_light_in_each_frame(drive: str) -> None:
-    track = track_of_record(run_episode("greedy", f"physics:drive={drive}", seed=12))
-    shown = Drawing(track)
-    for number in range(0, 60, 4):
-        [pose] = track.frames[number].robots
-        assert pose is not None
-        seen = classes(shown, number)
-        assert seen.count("rim") == (2 if drive == "differential" else 1), "wheels or a ring"
-        push = pose.push or Push((0.0, 0.0), (0.0, 0.0))
-        assert seen.count("brake of-light") == push.brakes
-        for name, scale in (("velocity", 0.7), ("force", 0.011)):
-            lines = [a for _, a in shown.shown(number) if a.get("class") == f"of-{name}"]
-            along = getattr(push, name)
-            length = scale * math.hypot(*along)
-            assert len(lines) == (length > 0.06)
-            for line in lines:
-                tip = [value[0] if isinstance(value, list) else float(value)
-                       for value in (line["x2"], line["y2"])]  # fmt: skip
-                expected = [100 * (0.3 + length) * part / math.hypot(*along) for part in along]
-                assert tip == pytest.approx(expected, abs=3)
-
-
-def test_skid_marks_appear_at_the_end_of_their_step_and_stay() -> None:
-    track = track_of_record(run_episode("greedy", "physics:grip=0.05", seed=12, max_steps=6))
-    shown = Drawing(track)
-    frames = [track.frames[number] for number, _ in skids_of(track.frames, 0)]
-    ends = sorted({math.ceil(frame.progress) for frame in frames})
-    assert len(ends) > 2
-    marks = [classes(shown, end).count("of-dark skid") for end in track.ends]
-    assert marks == [sum(step <= now for step in ends) for now in range(track.steps + 1)]
-
-
-def test_a_robot_on_the_grid_jumps_and_a_ghost_too() -> None:
-    track = track_of_record(run_episode("greedy", "grid", seed=12, max_steps=3))
-    track.ghost = [(step + 0.5, 0.5) for step in range(len(track))]
-    root = ElementTree.fromstring(animated_svg([track]))
-    moves = [each for each in root.iter() if each.tag.startswith(f"{SVG}animate")]
-    assert moves
-    assert {each.get("calcMode") for each in moves} == {"discrete"}
-    shown = Drawing(track)
-    ghosts = [[a["at"][-1] for _, a in shown.shown(n) if a.get("class") == "ghost of-ink"]
-              for n in range(len(track))]  # fmt: skip
-    assert ghosts == [[(100 * n + 50, 50)] for n in range(len(track))]
