@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, Future
+from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, ClassVar
@@ -15,6 +15,7 @@ from agents.errors import StoreError
 from agents.lab.experiments.plan import make_plan, parse_flags
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import BOTH, TABLE_OF, Store
+from helpers import executors
 from helpers.command_line import ROOT
 
 TABLES = [
@@ -25,7 +26,7 @@ TABLES = [
 """Queries for the rows of lone robots and of fleets."""
 
 
-class Here(Executor):
+class Here(executors.Here):
     """Runs everything in this process, and records the seeds of each task."""
 
     def __init__(self, fails_at: int | None = None) -> None:
@@ -33,12 +34,11 @@ class Here(Executor):
         self.fails_at = fails_at
 
     def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
-        future: Future[Any] = Future()
         self.seeds += args[1]
-        if self.fails_at is not None and self.fails_at in args[1]:
-            future.set_exception(ArithmeticError("a worker failed"))
-        else:
-            future.set_result(call(*args, **named))
+        if self.fails_at is None or self.fails_at not in args[1]:
+            return super().submit(call, *args, **named)
+        future: Future[Any] = Future()
+        future.set_exception(ArithmeticError("a worker failed"))
         return future
 
 

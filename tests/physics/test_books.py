@@ -9,8 +9,8 @@ from helpers.rigid_bodies import EAST, NORTH, SOUTH, WEST, motion_in, move, toge
 from warehouse_core import Layout
 from warehouse_physics import RobotSpec, stepping
 
-BOOKED_MOVES = 120
-COMPARED_MOVES = 500
+BOOKED_MOVES = 60
+COMPARED_MOVES = 300
 """The benchmarks make more moves."""
 
 EXACT = 1e-6

@@ -22,7 +22,7 @@ for kind in (RigidBodyMotion, DrivingMotion):
     for robots, disturbances in ((1, None), (4, None), (1, rough), (3, rough)):
         motion = kind(disturbances=disturbances)
         motion.reset(layout, cells[:robots], 5)
-        for _ in range(10):
+        for _ in range(6):
             loaded = [stream.random() < 0.5 for _ in range(robots)]
             for outcome in motion.advance(stream.choices(steps, k=robots), loaded):
                 digest.update(repr(outcome[:4] + outcome[5:]).encode() + outcome.path.tobytes())

@@ -43,7 +43,7 @@ def test_it_copes_with_noise_and_ice(trouble):
 
 
 def test_agents_that_bump_and_wander_are_driven_too():
-    env = DriveEnv(max_seconds=120.0)
+    env = DriveEnv(max_seconds=60.0)
     for name in ("random", "exploring", "greedy"):
         episode = record_episode(env, Follower(env, make_agent(name, 3, env.layout)), seed=3)
         assert len(set(episode.cells)) > 3

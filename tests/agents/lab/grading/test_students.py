@@ -1,14 +1,12 @@
 """Folders of classes from learning platforms and systems: one row for each student."""
 
 import sys
-from collections.abc import Callable
-from concurrent.futures import Future
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import pytest
 from helpers.classes import DOUBLE, SYSTEMS, write_class
+from helpers.executors import Here
 from helpers.spreadsheets import FORMS, save_again
 from helpers.submissions import write_rubric
 
@@ -21,27 +19,6 @@ from agents.lab.grading.rubric import load_rubric
 from agents.lab.grading.sandbox import SameProcess
 from agents.lab.grading.students import finder_of, students_in
 from agents.lab.grading.submissions import Submission, Unusable, in_folder
-
-
-class Here:
-    """A pool that does its work at once, in this process."""
-
-    def __init__(self, *_: object) -> None:
-        pass
-
-    def __enter__(self) -> "Here":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:  # fmt: skip
-        pass
-
-    def submit(self, call: Callable[..., Any], *values: object) -> Future[Any]:
-        future: Future[Any] = Future()
-        future.set_result(call(*values))
-        return future
 
 
 @pytest.fixture(autouse=True)

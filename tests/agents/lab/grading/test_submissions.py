@@ -398,8 +398,12 @@ def test_a_rubric_says_what_agents_may_import(
     rubric = RUBRIC.replace("give_up_after = 1", f"give_up_after = 1\n{limits}")
     report = grade_source(tmp_path, f"{source}\nclass Agent(A):\n    pass\n", rubric)
     assert report.failure == f"cannot be loaded: {said}"
+
+
+def test_a_rubric_denies_our_own_agents_nothing(tmp_path: Path) -> None:
+    rubric = RUBRIC.replace("give_up_after = 1", 'give_up_after = 1\ndeny_imports = ["agents"]')
     ours = find_submission("exploring")
-    assert grade(ours, load_rubric(tmp_path / "rubric.toml")).points == 100
+    assert grade(ours, load_rubric(write_rubric(tmp_path, rubric))).points == 100
 
 
 def test_no_points_have_a_reason(tmp_path: Path) -> None:

@@ -13,9 +13,11 @@ from time import sleep
 import pytest
 from helpers.command_line import ROOT, Refused, Warehouse, heed_interrupts
 from helpers.documents import executable_nodes
+from helpers.executors import Here
 from helpers.submissions import GOOD, RUBRIC, idle, running_in, write_rubric, write_submissions
 
 from agents.errors import WorkerError
+from agents.lab.commands.grade import folder
 from agents.lab.commands.grade.folder import _is_done, _row
 from agents.lab.grading.grades import GradeRow
 from agents.lab.grading.grading import grade
@@ -117,7 +119,7 @@ def test_the_page_loads_nothing_and_escapes_what_agents_say(
 
 
 def test_a_folder_is_graded_once_and_again_where_something_has_changed(
-    warehouse: Warehouse, rubric: Path
+    warehouse: Warehouse, rubric: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write_submissions(Path("all"), "searches", "picks", "syntax")
     Path("all", "=cmd.py").write_text(idle("pass"), encoding="utf-8")
@@ -140,6 +142,7 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
     assert rows["syntax"]["failure"].startswith("cannot be loaded: SyntaxError")
     assert rows["none"]["failure"] == "it has no .py, .ipynb or .zip file"
     assert len(list(Path("pages").iterdir())) == 9
+    monkeypatch.setattr(folder, "Processes", Here)  # for speed
     assert "0 graded, 3 unchanged, 2 that cannot" in warehouse(*words).out
     assert Path("grades.csv").read_bytes() == first
     Path("all", "picks", "agent.py").write_text(GOOD, encoding="utf-8")
@@ -248,8 +251,9 @@ LATER = RUBRIC.replace("points = 20\n", 'points = 20\nvisibility = "after_due_da
 
 
 def test_pages_show_what_is_visible_by_then_in_one_file_each(
-    warehouse: Warehouse, rubric: Path
+    warehouse: Warehouse, rubric: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(folder, "Processes", Here)
     rubric.write_text(LATER)
     write_submissions(Path("all"), "none_without_path")
     Path("all", "<b>").mkdir()
