@@ -1,8 +1,7 @@
 """Robot-steps per second of fleets and of POGEMA, and long runs.
 
 POGEMA runs with the Python in the environment variable ``POGEMA_PYTHON``, by default with this one.
-Times are the best of several rounds, in wall-clock time and in CPU time. ``TRUTH_SHARE=0.1`` runs a
-tenth of the steps in long runs.
+Times are the best of several rounds, in wall-clock time and in CPU time.
 """
 
 import json
@@ -10,7 +9,6 @@ import os
 import subprocess
 import sys
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,8 +25,6 @@ from helpers.fleet_truth import (
     WAIT,
     WEST,
     big_warehouse,
-    bodies_move_as_the_grid,
-    random_lone_steps_equal,
 )
 from helpers.timing import resident
 
@@ -224,29 +220,3 @@ def test_memory_of_ten_million_robot_steps(measured) -> None:
         f"{delivered:,} deliveries",
     )
     assert sizes[-1] - sizes[1] <= 8 * 2**20
-
-
-SHARE = float(os.environ.get("TRUTH_SHARE", "1"))
-LONE_STEPS = round(250_000 * SHARE)
-JOINT_ACTIONS = {2: 8000, 5: 5000, 12: 4000, 30: 2000, 100: 1000}
-
-
-@pytest.mark.parametrize("backend", ["grid", "physics"])
-def test_a_fleet_of_one_equals_the_warehouse(backend: str, measured) -> None:
-    episodes = random_lone_steps_equal(LONE_STEPS, seed=7, backend=backend)
-    measured(
-        f"a fleet of one robot compared with WarehouseEnv, {backend}",
-        f"{LONE_STEPS:,} random steps in {episodes:,} episodes, 0 differences",
-    )
-
-
-def test_nominal_bodies_equal_the_grid(measured) -> None:
-    stops, moves = Counter[str](), 0
-    for robots, joint_actions in JOINT_ACTIONS.items():
-        stops += bodies_move_as_the_grid(robots, round(joint_actions * SHARE), seed=robots)
-        moves += round(joint_actions * SHARE)
-    words = ", ".join(f"{count:,} {kind}" for kind, count in stops.most_common())
-    measured(
-        f"fleets of bodies compared with the grid, {moves:,} joint actions of 2 to 100 robots",
-        f"0 differences; {words}",
-    )
