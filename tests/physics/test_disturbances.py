@@ -182,7 +182,7 @@ def test_the_drag_of_a_cell_depends_only_on_seed_and_cell() -> None:
 def test_disturbed_robots_are_at_rest_at_the_end_and_never_blocked_at_their_goal() -> None:
     """Robots that already touched before an action, and are pushed in it, are still braked."""
     goals = 0
-    for seed in range(5):
+    for seed in range(3):
         stream = random.Random(seed)
         slick = Disturbances(
             actuation_noise=0.3, slippery=stream.sample(sorted(ALL_CELLS), 20), drag_spread=0.9
@@ -202,7 +202,7 @@ def test_disturbed_robots_are_at_rest_at_the_end_and_never_blocked_at_their_goal
                 goal = homes[0][robot] + down, homes[1][robot] + right
                 assert not (outcome.blocked and outcome.cell == goal)
                 goals += outcome.cell == goal
-    assert goals > 5 * 6 * 20 / 4
+    assert goals > 3 * 6 * 20 / 4
 
 
 # Stalls.

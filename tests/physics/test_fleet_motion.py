@@ -54,7 +54,7 @@ def test_bodies_never_overlap_by_more_than_they_move_in_a_substep(spec) -> None:
     stream, deepest, fastest = random.Random(1), 0.0, 2 * spec.top_speed
     motion = RigidBodyMotion(spec, path_every=1)
     motion.reset(Layout(["...."] * 3), [(row, col) for row in range(3) for col in (0, 2)], 0)
-    for _ in range(25):
+    for _ in range(15):
         outcomes = motion.advance(stream.choices(STEPS, k=6), [False] * 6)
         for one, other in combinations(outcomes, 2):
             times = np.union1d(one.path[:, 0], other.path[:, 0])

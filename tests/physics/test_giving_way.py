@@ -14,7 +14,7 @@ from warehouse_physics.robot_arena import RobotArena
 
 SPEC = RobotSpec()
 
-MOVES = 800
+MOVES = 400
 """Robot moves in jams; the benchmarks make more."""
 
 

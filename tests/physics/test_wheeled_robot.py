@@ -98,9 +98,9 @@ def test_on_ice_a_turn_takes_several_attempts_and_ends_where_it_should() -> None
 
 def test_the_joules_of_turns_drives_and_hits_are_those_of_a_second_book(monkeypatch) -> None:
     monkeypatch.setattr(stepping, "IS_KNOWN", False)
-    lone = errors_of_the_books(60, 1, drive="differential")
+    lone = errors_of_the_books(40, 1, drive="differential")
     assert max(lone.joules) < 1e-6
-    several = errors_of_the_books(60, 6, drive="differential")
+    several = errors_of_the_books(40, 6, drive="differential")
     assert max(several.joules) < 0.01
     assert len(several.impulses) > 5
     assert max(several.impulses) < 1e-6
@@ -127,5 +127,5 @@ def test_braking_in_a_turn_gives_energy_back() -> None:
 
 
 def test_jams_end_as_on_the_grid() -> None:
-    made, wrong, cut_off = differences_in_jams(600, drive="differential")
-    assert (made >= 600, wrong, cut_off) == (True, 0, 0)
+    made, wrong, cut_off = differences_in_jams(300, drive="differential")
+    assert (made >= 300, wrong, cut_off) == (True, 0, 0)

@@ -10,14 +10,14 @@ from warehouse_core.world.tiles import MOVE_DELTAS, moved
 
 
 def test_each_first_move_of_a_shortest_path_is_right_and_no_other() -> None:
-    batch = BatchEnv(40, random_layout(8, 9, 0.2, seed=1), autoreset_mode="SameStep")
+    batch = BatchEnv(20, random_layout(8, 9, 0.2, seed=1), autoreset_mode="SameStep")
     arrays, _ = batch.reset(seed=1)
     teacher, stream = ShortestPaths(batch), np.random.default_rng(2)
-    teacher.begin(np.arange(40), arrays)
+    teacher.begin(np.arange(20), arrays)
     chosen = 0
     for _ in range(60):
         right = teacher.moves(arrays)
-        for row in range(40):
+        for row in range(20):
             layout, state = batch.row(row)
             goal = arrays["dropoff_pos" if state.has_item else "pickup_pos"][row].tolist()
             steps = distances(layout, [(goal[0], goal[1])])
@@ -29,11 +29,11 @@ def test_each_first_move_of_a_shortest_path_is_right_and_no_other() -> None:
             chosen += sum(expected)
         masks = batch.action_masks()
         actions = np.where(right.any(1), right.argmax(1), 6 - masks[:, ::-1].argmax(1))
-        wild = stream.random(40) < 0.2
+        wild = stream.random(20) < 0.2
         actions[wild] = masks[wild].argmax(1)
         arrays, _, terminated, truncated, _ = batch.step(actions)
         teacher.begin(np.flatnonzero(terminated | truncated), arrays)
-    assert chosen > 1000
+    assert chosen > 500
 
 
 def test_an_agent_teaches_what_it_would_do() -> None:

@@ -222,7 +222,7 @@ def walk_of(seconds, **arguments):
 
 
 def test_people_walk_on_at_random_over_open_cells():
-    env, cells, _ = walk_of(60, people=2)
+    env, cells, _ = walk_of(40, people=2)
     for one in zip(*cells, strict=True):
         assert all(env.layout.is_open(cell) for cell in one)
         assert len(set(one)) > 10
@@ -233,7 +233,7 @@ def test_people_walk_on_at_random_over_open_cells():
 
 
 def test_people_stop_for_a_robot_and_turn_back():
-    _, cells, contacts = walk_of(60, people=1, layout=AISLE, start_pos=(1, 4))
+    _, cells, contacts = walk_of(30, people=1, layout=AISLE, start_pos=(1, 4))
     sides = {cell[0][1] < 4 for cell in cells}
     assert not contacts
     assert len(sides) == 1

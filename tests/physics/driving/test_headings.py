@@ -153,7 +153,7 @@ def test_tyres_hold_a_robot_that_drives_through_on_its_line_unless_the_floor_is_
 def test_a_disturbed_fleet_on_two_wheels_executes_a_plan_without_hits() -> None:
     layout, starts, goals = kiva_warehouse()
     graph = Graph(layout)
-    run = run_lifelong(graph, PIBT(graph), 60, 10, 1, starts, goals)
+    run = run_lifelong(graph, PIBT(graph), 30, 10, 1, starts, goals)
     trouble = Disturbances(0.1, slippery=layout.cells(starts[3:9:3]), grip=0.1, drag_spread=0.3)
     assert drive_through(layout, run.cells, WHEELED, trouble).hits == 0
 
