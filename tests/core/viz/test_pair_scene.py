@@ -3,7 +3,6 @@
 import dataclasses
 import re
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -76,15 +75,6 @@ def test_the_faster_one_waits_at_its_end_with_its_verdict(grid: Track, physics: 
     assert not tallies(scene)[1].startswith("Delivered")
     scene.show(len(scene) - 1)
     assert tallies(scene)[1] == "Delivered: 23 steps, 49.8 s, 1,764 J"
-
-
-def test_moments_are_equally_far_apart(grid: Track, physics: Track) -> None:
-    moments = Scene([grid, physics], make_figure)._timeline.moments
-    gaps = [after - before for before, after in pairwise(moments)]
-    assert max(gaps) == pytest.approx(physics.frames[-1].clock / (len(physics) - 1))
-    assert gaps[:-1] == pytest.approx([gaps[0]] * (len(gaps) - 1))
-    assert gaps[-1] > 1e-6
-    assert moments[-1] == physics.frames[-1].clock
 
 
 def test_two_tracks_on_the_grid_advance_by_steps(grid: Track) -> None:
@@ -194,26 +184,3 @@ def test_more_than_four_tracks_are_in_rows_of_three_and_have_no_charts(
     ]
     assert len(scene.root.axes) == 2 * len(tracks), "maps and batteries"
     check_boxes(scene)
-
-
-def test_there_is_one_legend_for_all_and_no_mathematics(grid: Track, physics: Track) -> None:
-    grid.frames[0].caption = "N ($x_$)"
-    scene = Scene([grid, physics, grid], make_figure)
-    scene.root.pixels()
-    assert texts(scene).count("wall") == 1
-    assert texts(scene).count("N ($x_$)") == 2
-    tracks = [track_of_frames([[row]]) for row in ("R.", "RC")]
-    for shown in (tracks, tracks[::-1], tracks[:1] * 2):
-        assert ("C charger" in texts(Scene(shown, make_figure))) == (tracks[1] in shown)
-
-
-def test_charts_of_three_tracks_have_titles_and_numbers_that_do_not_overlap(
-    grid: Track, physics: Track
-) -> None:
-    scene = Scene([grid, physics, physics], make_figure)
-    for axes in charts(scene, "Reward"):
-        assert axes.get_title(loc="left") == "Reward"
-    scene.root.canvas.draw()
-    for axes in (*charts(scene, "Reward"), *charts(scene, "Energy")):
-        numbers = [label.get_window_extent() for label in axes.get_xticklabels()]
-        assert all(one.x1 < other.x0 for one, other in pairwise(numbers))

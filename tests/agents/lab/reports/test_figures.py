@@ -8,10 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.results_files import OFF, ON, Cases, experiment_of, fleet_row, hall, outcomes, row
+from helpers.results_files import Cases, experiment_of, hall, outcomes, row
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from agents.lab.experiments.case import make_case
@@ -21,7 +19,6 @@ from agents.lab.reports import figures as figures_module
 from agents.lab.reports.design import make_design
 from agents.lab.reports.figures import (
     MAX_MAPS,
-    WIDTH,
     DesignPoints,
     Picture,
     measure_figure,
@@ -31,7 +28,7 @@ from agents.lab.reports.figures import (
     stuck_cells,
     stuck_heat_map,
 )
-from agents.lab.reports.results import FLEETS, LONE, STEPS, SUCCESS, Experiment
+from agents.lab.reports.results import LONE, STEPS, SUCCESS, Experiment
 from warehouse_core import DEFAULT_LAYOUT
 from warehouse_core.viz.figure import SceneFigure
 
@@ -168,28 +165,6 @@ def drawn(cases: Cases) -> dict[str, Picture]:
     return {picture.name: picture for picture in found}
 
 
-def test_the_figures_of_two_cases_on_the_grid() -> None:
-    found = drawn([(ON, outcomes("ddww")), (OFF, outcomes("ddoo"))])
-    assert list(found) == ["success", "steps", "modes", "stuck-1"]
-    assert "95% intervals" in found["success"].caption
-    assert "of 8 episodes" in found["stuck-1"].caption
-    assert "random in each episode" in found["stuck-1"].caption
-
-
-def test_time_and_energy_are_drawn_only_where_they_are_measured() -> None:
-    cases = [
-        ({"backend": backend, "escape": escape}, [row(0, joules=77), row(1)])
-        for backend in ("grid", "physics")
-        for escape in (True, False)
-    ]
-    found = drawn(cases)
-    assert {"seconds", "joules"} <= found.keys()
-    assert found["seconds"].svg != found["joules"].svg
-    assert "Time of a delivery, backend physics" in found["seconds"].caption
-    assert "Energy of a delivery, backend physics" in found["joules"].caption
-    assert not {"seconds", "joules"} & drawn(cases[:2]).keys()
-
-
 @pytest.mark.parametrize(
     ("cases", "max_cells", "names"),
     [
@@ -218,57 +193,6 @@ def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
     assert "hall5.txt: number of episodes with each failure mode, out of 6 episodes," in maps[0]
     assert "Pickup (P) and dropoff (D) are the stations of the layout in every episode." in maps[0]
     assert "hall2.txt: number of episodes with each failure mode, out of 3 episodes," in maps[-1]
-
-
-def test_the_caption_names_pooled_settings() -> None:
-    cases = [
-        ({"battery": battery, "view_radius": radius}, outcomes("dw"))
-        for battery in range(1, 10)
-        for radius in range(8)
-    ]
-    found = drawn(cases)
-    assert found["success"].caption == (
-        "Success: share of all episodes, without intervals, which need 20 different values of one "
-        "combination; pooled over view_radius."
-    )
-    assert found["modes"].caption.endswith("as shares; pooled over view_radius.")
-
-
-def test_the_caption_says_that_some_points_have_no_interval() -> None:
-    cases = [(ON, [row(n, steps=n) for n in range(20)]), (OFF, [row(1), row(2)])]
-    assert drawn(cases)["steps"].caption == (
-        "Steps of a delivery: mean over all deliveries, hard or easy, with 95% intervals, which "
-        "need 20 different values of one combination."
-    )
-
-
-@pytest.mark.parametrize("kind", ["lone", "fleet"])
-def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_phone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
-) -> None:
-    figures: list[Figure] = []
-    monkeypatch.setattr(figures_module, "svg_of", lambda each: (figures.append(each), b"<svg/>")[1])
-    places = ("default", hall(tmp_path, 26))
-    if kind == "lone":
-        cases: Cases = [
-            ({"layout": layout, "escape": escape}, outcomes("dwo"))
-            for layout in places
-            for escape in (True, False)
-        ]
-        drawn(cases)
-    else:
-        with experiment_of([({"robots": n}, [fleet_row(1)]) for n in (2, 3)], FLEETS) as found:
-            assert len(list(pictures(found))) == 6
-    assert all(figure.get_figwidth() <= WIDTH + 1e-9 for figure in figures)
-    sizes = {
-        text.get_text(): text.get_fontsize()
-        for figure in figures
-        for text in figure.findobj(Text)
-        if text.get_text() and text.get_visible()
-    }
-    assert ({"P", "wandering", "33%", "steps"} if kind == "lone" else {"kJ"}) <= sizes.keys()
-    # SVG has 96 pixels an inch and 72 points.
-    assert min(sizes.values()) * 96 / 72 >= 12, sizes
 
 
 # Heat maps.

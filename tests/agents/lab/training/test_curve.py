@@ -1,14 +1,11 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 from helpers.results_files import BAD, row, scores_of
 
-from agents.lab.training import curve as learning_curve
-from agents.lab.training.curve import save_learning_curve
+from agents.lab.training.curve import learning_curve
 from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.scores import Scores
-from warehouse_core.viz.figure import SceneFigure, make_figure
+from warehouse_core.viz.figure import SceneFigure
 
 
 def scores(success: float, count: int = 200) -> Scores:
@@ -17,19 +14,6 @@ def scores(success: float, count: int = 200) -> Scores:
 
 
 POINTS = [ExamPoint(60_000 * (n + 1), scores(s)) for n, s in enumerate((0, 0.1, 0.5, 0.98, 1))]
-
-
-@pytest.fixture
-def drawn(monkeypatch: pytest.MonkeyPatch) -> list[SceneFigure]:
-    """Return a list that collects the figures."""
-    figures: list[SceneFigure] = []
-
-    def make(*arguments: float) -> SceneFigure:
-        figures.append(make_figure(*arguments))  # type: ignore[arg-type]
-        return figures[-1]
-
-    monkeypatch.setattr(learning_curve, "make_figure", make)
-    return figures
 
 
 def words(figure: SceneFigure) -> str:
@@ -41,11 +25,8 @@ def words(figure: SceneFigure) -> str:
     return "\n".join([*texts, suptitle])
 
 
-def test_the_picture_has_its_captions_its_lines_and_the_band_of_their_intervals(
-    tmp_path: Path, drawn: list[SceneFigure]
-) -> None:
-    save_learning_curve(tmp_path / "c.png", "PPO", "A title", POINTS, scores(0.87, 1000))
-    [figure] = drawn
+def test_the_picture_has_its_captions_its_lines_and_the_band_of_their_intervals() -> None:
+    figure = learning_curve("PPO", "A title", POINTS, scores(0.87, 1000))
     said = words(figure)
     for phrase in (
         "A title",
@@ -69,18 +50,3 @@ def test_the_picture_has_its_captions_its_lines_and_the_band_of_their_intervals(
     for point in POINTS:
         for end in point.scores.success[1:]:
             assert (point.steps, round(end, 4)) in corners
-
-
-@pytest.mark.parametrize(("success", "count"), [(0.0, 1), (0.3, 2)])
-def test_every_line_and_name_is_within_the_axes(
-    tmp_path: Path, drawn: list[SceneFigure], success: float, count: int
-) -> None:
-    points = [ExamPoint(1 + n, scores(success)) for n in range(count)]
-    for greedy in (scores(0), scores(1)):
-        save_learning_curve(tmp_path / "c.png", "PPO", "", points, greedy)
-        for axes in drawn[-1].axes:
-            box = axes.get_window_extent().expanded(1.01, 1.02)
-            for text in axes.texts:
-                assert box.containsx(text.get_window_extent().x0)
-                assert box.containsy(text.get_window_extent().y0)
-                assert box.containsy(text.get_window_extent().y1)

@@ -7,24 +7,6 @@ from agents.lab.trials.figure import message, scores_figure
 from agents.lab.trials.rows import Row
 
 SLOW = GOOD._replace(steps=30)
-GROUPS = {
-    "small": {"one": scores_of([GOOD] * 30), "a" * 60: scores_of([GOOD] * 20 + [BAD] * 10)},
-    "large": {"one": scores_of([BAD] * 30), "a" * 60: scores_of([GOOD] * 30)},
-}
-
-
-def test_nothing_overlaps_or_leaves_the_figure() -> None:
-    figure = scores_figure(GROUPS, "What is measured.")
-    figure.pixels()
-    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
-    panels = [axes.get_tightbbox(renderer) for axes in figure.axes]
-    boxes = [*panels, *(text.get_window_extent() for text in figure.texts)]
-    for number, box in enumerate(boxes):
-        assert box.x0 >= 0
-        assert box.x1 <= figure.bbox.x1
-        assert box.y0 >= 0
-        assert box.y1 <= figure.bbox.y1
-        assert not [other for other in boxes[:number] if box.overlaps(other)], number
 
 
 def test_an_agent_without_deliveries_has_a_text_instead_of_a_mark() -> None:
