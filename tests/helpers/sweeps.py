@@ -13,8 +13,8 @@ from typing import Any, ClassVar
 
 from agents.errors import StoreError
 from agents.lab.experiments.plan import make_plan, parse_flags
-from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import BOTH, TABLE_OF, Store
+from agents.lab.experiments.sweep import run_missing
 from helpers import executors
 from helpers.command_line import ROOT
 

@@ -2,23 +2,35 @@
 
 Each episode is stored as it finishes. When the same command is run again, it runs only the missing
 episodes, so that more episodes or values can be added later.
+
+Workers receive episodes in tasks of about half a second. Tasks of this length are long enough that
+the cost of sending them is negligible, and short enough that an error loses little and the progress
+bar keeps moving. The rows of a task depend only on its case and seeds, so they do not depend on the
+number of workers.
+
+An episode that fails is reported, and the others continue. When a worker process ends, any seed of
+its task may be the cause. Therefore each seed is run again as a separate task, and a seed whose
+worker ends a second time has failed.
 """
 
 from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import typer
 
-from agents.errors import EpisodeError, ParameterError
+from agents.errors import EpisodeError, ParameterError, WorkerError
 from agents.lab.console import options
 from agents.lab.console.options import option
 from agents.lab.console.terminal import print_error, say
+from agents.lab.experiments.case import Case, Done, about, run_task
 from agents.lab.experiments.plan import (
     MAX_EPISODES,
     PlanFile,
@@ -27,12 +39,135 @@ from agents.lab.experiments.plan import (
     parse_flags,
     read_plan_file,
 )
-from agents.lab.experiments.running import ReportRows, run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import MAX_SEED, PARAMETERS, PHYSICAL, Whole
 from agents.lab.trials.rows import AnyRow
 from agents.lab.trials.workers import CheckInterrupt, Processes, deferred_interrupts
 from warehouse_core.wording import counted
+
+TASK_SECONDS, MAX_TASK_EPISODES = 0.5, 10_000
+
+SEEDS_AT_ONCE = 100_000
+"""Number of seeds that are looked up in the store at once."""
+
+TASKS_PER_WORKER = 2
+"""Number of submitted tasks per worker, so that no worker has to wait for its next task."""
+
+TICK = 0.1
+"""Seconds after which ``report`` is called even if no task has finished."""
+
+MAX_FAILURES = 20
+"""Number of failed episodes of a case after which its remaining seeds are skipped."""
+
+ReportRows = Callable[[Sequence[AnyRow], Sequence[str]], None]
+"""Function that receives stored rows and messages of failures; it may raise to end the run.
+
+It is also called with empty sequences, see ``TICK``.
+"""
+
+
+class WorkerTask(NamedTuple):
+    """Seeds of a case for one worker; ``is_retry`` if an earlier worker ended while running it."""
+
+    case_id: int
+    case: Case
+    seeds: list[int]
+    is_retry: bool = False
+
+
+def paced(episodes: int, seconds: float) -> int:
+    """Return the number of episodes of the next tasks, given the duration of a finished task."""
+    wanted = episodes * TASK_SECONDS / max(seconds, 1e-6)
+    # At most four times as many, because one short episode says little about the others.
+    return max(1, min(round(wanted), 4 * episodes, MAX_TASK_EPISODES))
+
+
+class TaskQueue:
+    """The remaining tasks of a plan, and the number of failures of each case."""
+
+    def __init__(self, plan: SweepPlan, store: Store) -> None:
+        self.failed, self._task_episodes = Counter[int](), 1
+        self._missing, self._again = self._missing_tasks(plan, store), list[WorkerTask]()
+
+    def take(self) -> WorkerTask | None:
+        """Return the next task, or ``None`` if no task is left."""
+        while self._again:
+            if self._is_wanted(task := self._again.pop()):
+                return task
+        return next(self._missing, None)
+
+    def done(self, task: WorkerTask, outcome: Done) -> list[str]:
+        """Record that a task has finished, and return messages about its failures."""
+        if outcome.failure is None:
+            self._task_episodes = paced(len(task.seeds), outcome.seconds)
+            return []
+        if rest := task.seeds[len(outcome.rows) + 1 :]:
+            self._again.append(task._replace(seeds=rest))
+        return self._failed(task, outcome.failure)
+
+    def ended(self, task: WorkerTask, ending: str) -> list[str]:
+        """Record that the worker of a task has ended, and return messages about its failures."""
+        if not task.is_retry:
+            self._again += [task._replace(seeds=[seed], is_retry=True) for seed in task.seeds]
+            return []
+        return self._failed(
+            task, f"{about(task.case, task.seeds[0])}: {ending}; it was tried twice"
+        )
+
+    def _failed(self, task: WorkerTask, message: str) -> list[str]:
+        self.failed[task.case_id] += 1
+        if not self._is_wanted(task):
+            message += f"; its other seeds are skipped after MAX_FAILURES = {MAX_FAILURES}"
+        return [message]
+
+    def _missing_tasks(self, plan: SweepPlan, store: Store) -> Iterator[WorkerTask]:
+        """Yield the missing episodes in tasks of the current size, skipping cases that fail."""
+        for case in plan.cases:
+            case_id = store.case_id(case)
+            seeds = _missing_seeds(store, case_id, plan.seeds)
+            while self.failed[case_id] < MAX_FAILURES:
+                if not (some := list(islice(seeds, self._task_episodes))):
+                    break
+                yield WorkerTask(case_id, case, some)
+
+    def _is_wanted(self, task: WorkerTask) -> bool:
+        return self.failed[task.case_id] < MAX_FAILURES
+
+
+def run_missing(
+    plan: SweepPlan, store: Store, executor: Executor, workers: int, report: ReportRows
+) -> Counter[int]:
+    """Run the missing episodes of a plan, and return the number of failures by case number.
+
+    An error of the store, the executor or ``report`` ends the run. Rows that have been written
+    remain in the store.
+    """
+    queue, running = TaskQueue(plan, store), dict[Future[Done], WorkerTask]()
+    while True:
+        while len(running) < TASKS_PER_WORKER * workers and (task := queue.take()):
+            running[executor.submit(run_task, task.case, task.seeds)] = task
+        if not running:
+            return queue.failed
+        done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
+        report([], [])
+        # Tasks without an outcome come last, because they may end the run.
+        for future in sorted(done, key=lambda each: each.cancelled() or bool(each.exception())):
+            task = running.pop(future)
+            try:
+                outcome = future.result()
+            except WorkerError as ending:
+                report([], queue.ended(task, str(ending)))
+            else:
+                store.add(task.case_id, outcome.rows, outcome.program)
+                report(outcome.rows, queue.done(task, outcome))
+
+
+def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
+    """Yield the seeds that are not in the store, looking them up in parts to save memory."""
+    for start in range(0, len(seeds), SEEDS_AT_ONCE):
+        some = seeds[start : start + SEEDS_AT_ONCE]
+        done = store.seeds_done(case_id, some)
+        yield from (seed for seed in some if seed not in done)
 
 
 @contextmanager

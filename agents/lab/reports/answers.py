@@ -15,8 +15,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from agents.lab.parameters import PARAMETERS, shown
-from agents.lab.reports.design import CaseSeries, Factor, described
-from agents.lab.reports.results import LONE, Experiment, Results
+from agents.lab.reports.results import LONE, CaseSeries, Experiment, Factor, Results, described
 from agents.lab.trials.interval import Interval, difference_interval, percent
 from warehouse_core.wording import counted, listed
 

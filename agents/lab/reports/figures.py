@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from io import BytesIO
 from itertools import product
 from textwrap import wrap
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -28,8 +28,15 @@ from matplotlib.ticker import PercentFormatter
 from agents.errors import StoreError
 from agents.lab.experiments.case import TILES, cells_of
 from agents.lab.parameters import Value, shown
-from agents.lab.reports.design import Design, Factor, make_design
-from agents.lab.reports.results import LONE, Experiment, ReportedMeasure, Results
+from agents.lab.reports.results import (
+    LONE,
+    Design,
+    Experiment,
+    Factor,
+    ReportedMeasure,
+    Results,
+    make_design,
+)
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, Interval
 from agents.lab.trials.rows import MODES_OF
 from warehouse_core.records import failure_modes as modes
@@ -63,9 +70,9 @@ class Picture:
 
 def pictures(experiment: Experiment) -> Iterator[Picture]:
     """Yield the figures that are not empty."""
-    kind, chart = experiment.kind, DesignPoints(experiment, experiment.design)
+    kind, chart = experiment.kind, ReportChart(experiment, experiment.design)
     physical = {n: case for n, case in experiment.cases.items() if case["backend"] != "grid"}
-    bodies = DesignPoints(experiment, make_design(physical))
+    bodies = ReportChart(experiment, make_design(physical))
     backends = sorted({shown(case["backend"]) for case in physical.values()})
     on = f", backend {listed(backends)}" if backends else ""
     for measure in kind.measures:
@@ -73,9 +80,9 @@ def pictures(experiment: Experiment) -> Iterator[Picture]:
         if measure.is_physical:
             drawn, title = bodies, title + on
         if figure := measure_figure(drawn, title, measure):
-            words = f"{title}: {measure.what}, {_intervals(drawn, measure)}{_left_out(drawn)}."
+            words = f"{title}: {measure.what}, {_intervals(drawn, measure)}{drawn.left_out}."
             yield Picture(measure.name, words, svg_of(figure))
-    words = f"{kind.modes_title}, as shares{_left_out(chart)}."
+    words = f"{kind.modes_title}, as shares{chart.left_out}."
     yield Picture(kind.modes, words, svg_of(modes_figure(chart, kind.modes_title)))
     if kind is LONE:
         yield from _maps(experiment)
@@ -88,23 +95,13 @@ def svg_of(figure: Figure) -> bytes:
     return file.getvalue()
 
 
-def _intervals(chart: DesignPoints, measure: ReportedMeasure) -> str:
+def _intervals(chart: ReportChart, measure: ReportedMeasure) -> str:
     """Return a phrase that says which intervals a chart shows."""
     shown = [interval for each in chart.points if (interval := measured(measure, each))]
     known = sum(interval.is_known for interval in shown)
     words = f"with {CONFIDENCE:.0%} intervals" if known else "without intervals"
     if known < len(shown):
         words += f", which need {MIN_VALUES} different values of one combination"
-    return words
-
-
-def _left_out(chart: DesignPoints) -> str:
-    """Return the end of a caption, which says what the chart leaves out of its design."""
-    roles, words = chart.roles, ""
-    if roles.axis and len(roles.axis.values) < roles.values:
-        words += f"; {len(roles.axis.values)} of {roles.values:,} values of {roles.axis.name}"
-    if roles.pooled:
-        words += f"; pooled over {listed([factor.name for factor in roles.pooled])}"
     return words
 
 
@@ -135,57 +132,35 @@ MAX_POINTS = 400
 """Maximum number of points in a chart; each needs a bootstrap, and more would not be legible."""
 
 
-class Roles(NamedTuple):
-    """The role of each factor of a design in a chart.
+Where = tuple[Value | None, Value | None]
+"""Value of the panel and value of the colour."""
+
+
+class ReportChart:
+    """The results of a design as points of a chart, with a role for each factor.
 
     Attributes:
         axis: Factor along the axis, with only the values that are shown.
         color: Factor that is shown by colours.
         panel: Factor with a panel for each value.
-        pooled: Factors over which the episodes are pooled.
-        values: Number of values of the axis factor, including values that are not shown.
-    """
-
-    axis: Factor | None
-    color: Factor | None
-    panel: Factor | None
-    pooled: tuple[Factor, ...]
-    values: int = 0
-
-
-def roles_of(design: Design) -> Roles:
-    """Assign the factors of a design to the axis, the colours and the panels."""
-    if not design.factors:
-        return Roles(None, None, None, ())
-    *left, axis = sorted(design.factors, key=lambda each: (each.is_ordered, len(each.values)))
-    left.sort(key=lambda each: len(each.values))
-    color = left.pop(0) if left and len(left[0].values) < MAX_COLORS else None
-    panel = left.pop(0) if left and len(left[0].values) < MAX_PANELS else None
-    lines = math.prod(len(each.values) for each in (color, panel) if each)
-    count = len(axis.values)
-    places = min(count, max(MAX_POINTS // lines, 2))
-    # The first value, the last one, and values at equal distances between them.
-    values = tuple(axis.values[number * (count - 1) // (places - 1)] for number in range(places))
-    return Roles(Factor(axis.name, values), color, panel, tuple(left), count)
-
-
-Where = tuple[Value | None, Value | None]
-"""Value of the panel and value of the colour."""
-
-
-class DesignPoints:
-    """The results of a design as points of a chart.
-
-    Attributes:
-        roles: Role of each factor.
+        left_out: End of a caption, which says what the chart leaves out of its design.
         lines: Results by the value along the axis, for each panel and colour. The axis factor does
             not apply to results at ``None``, which are the same along the whole axis.
         points: Results of all lines.
     """
 
     def __init__(self, experiment: Experiment, design: Design) -> None:
-        self.experiment, self.roles = experiment, roles_of(design)
-        roles = self.roles.panel, self.roles.color, self.roles.axis
+        self.experiment, self.left_out = experiment, ""
+        self.axis, self.color, self.panel, pooled = roles_of(design)
+        if self.axis and len(self.axis.values) > (places := self._places()):
+            values, count = self.axis.values, len(self.axis.values)
+            # The first value, the last one, and values at equal distances between them.
+            shown = tuple(values[number * (count - 1) // (places - 1)] for number in range(places))
+            self.axis = Factor(self.axis.name, shown)
+            self.left_out += f"; {places} of {count:,} values of {self.axis.name}"
+        if pooled:
+            self.left_out += f"; pooled over {listed([factor.name for factor in pooled])}"
+        roles = self.panel, self.color, self.axis
         found: dict[Where, dict[Value | None, list[int]]] = {}
         for case_id, labels in design.labels.items():
             panel, color, along = (labels[role.name] if role else None for role in roles)
@@ -201,6 +176,22 @@ class DesignPoints:
             if where in found
         }
         self.points = [results for line in self.lines.values() for results in line.values()]
+
+    def _places(self) -> int:
+        """Return the largest number of values along the axis."""
+        lines = math.prod(len(each.values) for each in (self.color, self.panel) if each)
+        return max(MAX_POINTS // lines, 2)
+
+
+def roles_of(design: Design) -> tuple[Factor | None, Factor | None, Factor | None, list[Factor]]:
+    """Return the factors for axis, colours and panels, and those over which episodes are pooled."""
+    if not design.factors:
+        return None, None, None, []
+    *left, axis = sorted(design.factors, key=lambda each: (each.is_ordered, len(each.values)))
+    left.sort(key=lambda each: len(each.values))
+    color = left.pop(0) if left and len(left[0].values) < MAX_COLORS else None
+    panel = left.pop(0) if left and len(left[0].values) < MAX_PANELS else None
+    return axis, color, panel, left
 
 
 WIDTH, PANEL_HEIGHT, FOOT, DPI = 3.4, 2.6, 0.45, 100
@@ -307,9 +298,9 @@ DODGE = 0.012
 
 
 @mpl.rc_context({"text.parse_math": False})
-def measure_figure(chart: DesignPoints, title: str, measure: ReportedMeasure) -> SceneFigure | None:
+def measure_figure(chart: ReportChart, title: str, measure: ReportedMeasure) -> SceneFigure | None:
     """Draw a measure with its intervals, or return ``None`` if there is nothing to compare."""
-    axis, color, panel = chart.roles[:3]
+    axis, color, panel = chart.axis, chart.color, chart.panel
     lines = {
         where: {value: measured(measure, results) for value, results in line.items()}
         for where, line in chart.lines.items()
@@ -413,9 +404,9 @@ MIN_LEGIBLE, MAX_NUMBERED = 0.08, 7
 
 
 @mpl.rc_context({"text.parse_math": False})
-def modes_figure(chart: DesignPoints, title: str) -> SceneFigure:
+def modes_figure(chart: ReportChart, title: str) -> SceneFigure:
     """Draw the shares of the outcomes as stacked bars."""
-    axis, color, panel = chart.roles[:3]
+    axis, color, panel = chart.axis, chart.color, chart.panel
     everywhere = f"any {axis.name}" if axis else "all episodes"
     found = {value for line in chart.lines.values() for value in line}
     values = [value for value in (*(axis.values if axis else ()), None) if value in found]

@@ -24,10 +24,9 @@ from agents.lab.experiments.case import flags_of
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import shown
 from agents.lab.reports.answers import Answer, answers
-from agents.lab.reports.design import Design
 from agents.lab.reports.examples import Example, find_examples, replay
 from agents.lab.reports.figures import Picture, pictures
-from agents.lab.reports.results import FLEETS, LONE, Experiment, ReportedMeasure, Results
+from agents.lab.reports.results import FLEETS, LONE, Design, Experiment, ReportedMeasure, Results
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES
 from agents.lab.trials.rows import MODES_OF
 from warehouse_core.files.atomic import atomic_path

@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["Interval", "mean_interval", "ratio_interval", "share_interval"]
-
 CONFIDENCE, RESAMPLES = 0.95, 999
 
 QUANTILE = 1.959963984540054
@@ -22,13 +20,7 @@ MIN_VALUES = 20
 
 
 class Interval(NamedTuple):
-    """An estimate and the ends of its interval, which are NaN if they are unknown.
-
-    Example:
-        >>> from agents.lab.trials.interval import Interval
-        >>> Interval(0.5, 0.4, 0.6).is_known, Interval(0.5).is_known
-        (True, False)
-    """
+    """An estimate and the ends of its interval, which are NaN if they are unknown."""
 
     estimate: float
     low: float = math.nan
@@ -48,12 +40,6 @@ def share_interval(count: int, total: int) -> Interval:
     """Return the Wilson interval of the share ``count / total``, where ``total`` is at least 1.
 
     Source: Wilson (1927), Probable inference, the law of succession, and statistical inference.
-
-    Example:
-        >>> from agents.lab.trials.interval import share_interval
-        >>> found = share_interval(87, 100)
-        >>> found.estimate, round(found.low, 3), round(found.high, 3)
-        (0.87, 0.79, 0.922)
     """
     share, square = count / total, QUANTILE**2
     middle = (2 * total * share + square) / (2 * (total + square))
@@ -106,14 +92,6 @@ def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:
         Ratio with its interval, or ``None`` without a success.
 
     Source: Cochran (1977), Sampling techniques, 3rd ed., chapter 6.
-
-    Example:
-        >>> import numpy as np
-        >>> from agents.lab.trials.interval import ratio_interval
-        >>> steps, delivered = np.full(100, 20.0), np.arange(100) % 2
-        >>> found = ratio_interval(steps, delivered)
-        >>> round(found.estimate, 1), found.low < 40 < found.high
-        (40.0, True)
     """
     count = np.count_nonzero(successes)
     if not count:
@@ -135,13 +113,6 @@ def mean_interval(values: np.ndarray) -> Interval | None:
     values, and if nearly all values are equal. Return ``None`` without any value.
 
     Source: Efron and Tibshirani (1993), An introduction to the bootstrap, section 12.5.
-
-    Example:
-        >>> import numpy as np
-        >>> from agents.lab.trials.interval import mean_interval
-        >>> found = mean_interval(np.arange(1.0, 101.0))
-        >>> found.estimate, found.low < 50.5 < found.high
-        (50.5, True)
     """
     if not len(values):
         return None

@@ -21,7 +21,7 @@ from agents.lab.trials.interval import (
 from agents.lab.trials.rows import FleetRow, Row
 from warehouse_core.records.episode import DELIVERED
 
-__all__ = ["FleetScores", "Scores"]
+__all__ = ["Scores"]
 
 
 @dataclass(frozen=True)
@@ -90,16 +90,7 @@ class Scores:
 
 @dataclass(frozen=True)
 class FleetScores:
-    """The scores of a fleet, given the rows of its episodes and its number of robots.
-
-    Example:
-        >>> from agents.lab.trials.task import FleetTask
-        >>> from agents.registry import make_team
-        >>> task = FleetTask(robots=2, max_steps=50)
-        >>> scores = task.evaluate_fleet(lambda seed: make_team("greedy", 2, seed), range(3))
-        >>> scores.per_hour.estimate
-        144.0
-    """
+    """The scores of a fleet, given the rows of its episodes and its number of robots."""
 
     rows: Sequence[FleetRow]
     robots: int

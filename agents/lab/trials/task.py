@@ -39,7 +39,7 @@ from warehouse_core.records.episode import DRIVE, is_drive
 from warehouse_core.task.starts import STATIONS
 from warehouse_core.world.layout import check_open
 
-__all__ = ["FleetTask", "Task"]
+__all__ = ["Task"]
 
 MakeWatch = Callable[[object, str], Watch]
 """Function that returns a ``Watch`` of an episode, given the agent and its name."""
@@ -218,16 +218,7 @@ def load_task(
 
 
 class FleetTask(NamedTuple):
-    """A task for a fleet, with arguments of ``FleetEnv`` and ``FleetBatch``.
-
-    Example:
-        >>> from agents.lab.trials.task import FleetTask
-        >>> from agents.registry import make_team
-        >>> task = FleetTask(robots=2, max_steps=50)
-        >>> scores = task.evaluate_fleet(lambda seed: make_team("greedy", 2, seed), range(3))
-        >>> len(scores.rows)
-        3
-    """
+    """A task for a fleet, with arguments of ``FleetEnv`` and ``FleetBatch``."""
 
     layout: Layout = DEFAULT_LAYOUT
     robots: int = 4

@@ -17,9 +17,8 @@ from agents.lab.experiments.plan import (
     parse_flags,
     read_plan_file,
 )
-from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.sweep import PRESETS
+from agents.lab.experiments.sweep import PRESETS, run_missing
 from agents.lab.parameters import PARAMETERS
 
 

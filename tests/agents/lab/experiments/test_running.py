@@ -13,14 +13,14 @@ from helpers.sweeps import AGENT, Here, nothing, table
 from agents.errors import WorkerError
 from agents.lab.experiments.case import run_task
 from agents.lab.experiments.plan import SweepPlan, make_plan
-from agents.lab.experiments.running import (
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.sweep import (
     MAX_FAILURES,
     MAX_TASK_EPISODES,
     TASK_SECONDS,
     paced,
     run_missing,
 )
-from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import Row
 from agents.lab.trials.workers import Processes
 

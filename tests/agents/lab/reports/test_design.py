@@ -5,7 +5,7 @@ from typing import Any
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import make_plan
-from agents.lab.reports.design import FOLDERS, Design, Factor, described, make_design
+from agents.lab.reports.results import FOLDERS, Design, Factor, described, make_design
 
 
 def design_of(**choices: Any) -> Design:

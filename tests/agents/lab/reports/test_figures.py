@@ -16,11 +16,10 @@ from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.store import Store
 from agents.lab.reports import figures as figures_module
-from agents.lab.reports.design import make_design
 from agents.lab.reports.figures import (
     MAX_MAPS,
-    DesignPoints,
     Picture,
+    ReportChart,
     measure_figure,
     modes_figure,
     pictures,
@@ -28,16 +27,14 @@ from agents.lab.reports.figures import (
     stuck_cells,
     stuck_heat_map,
 )
-from agents.lab.reports.results import LONE, STEPS, SUCCESS, Experiment
+from agents.lab.reports.results import LONE, STEPS, SUCCESS, Experiment, make_design
 from warehouse_core import DEFAULT_LAYOUT
 from warehouse_core.viz.figure import SceneFigure
 
 
 def roles(**choices: Any) -> list[Any]:
     found = roles_of(make_design(dict(enumerate(make_plan(choices, 1, 0).cases))))
-    return [factor.name if factor else None for factor in found[:3]] + [
-        factor.name for factor in found.pooled
-    ]
+    return [factor.name if factor else None for factor in (*found[:3], *found[3])]
 
 
 @pytest.fixture
@@ -54,8 +51,8 @@ def experiment() -> Iterator[Experiment]:
         yield opened
 
 
-def chart_of(experiment: Experiment) -> DesignPoints:
-    return DesignPoints(experiment, experiment.design)
+def chart_of(experiment: Experiment) -> ReportChart:
+    return ReportChart(experiment, experiment.design)
 
 
 def draw(experiment: Experiment, *, modes: bool = False) -> SceneFigure:

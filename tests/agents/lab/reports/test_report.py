@@ -9,8 +9,8 @@ from helpers.results_files import experiment_of, fill, outcomes
 from helpers.sweeps import Here, nothing
 
 from agents.lab.experiments.plan import make_plan
-from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
+from agents.lab.experiments.sweep import run_missing
 from agents.lab.reports import page as page_module
 from agents.lab.reports import report
 from agents.lab.reports.page import Page, make_page
