@@ -3,7 +3,6 @@ import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from helpers.fleets import LINE, SHELVES, Couriers, fleet_episode
 
@@ -43,18 +42,6 @@ def age_at(step: int, order: Order) -> int:
     return sum(shares >= third for third in (1 / 3, 2 / 3))
 
 
-def test_robots_and_then_people_are_where_the_record_has_them(episode: FleetEpisode) -> None:
-    track = track_of_record(episode)
-    assert (len(track), track.steps, track.is_continuous) == (81, 80, False)
-    cells = np.hstack([episode.cells, episode.people])
-    for frame, row in zip(track.frames, cells.tolist(), strict=True):
-        places = [(pose.at[1] - 0.5, pose.at[0] - 0.5) for pose in frame.robots if pose]
-        assert places == [divmod(cell, SHELVES.width) for cell in row]
-    loaded = [[pose.loaded for pose in frame.robots if pose] for frame in track.frames]
-    assert loaded == [[*row, False, False] for row in episode.loaded.tolist()]
-    assert [frame.clock for frame in track.frames] == [float(second) for second in range(81)]
-
-
 def test_orders_wait_at_their_pickups_and_age(episode: FleetEpisode) -> None:
     ages = set()
     for step, frame in enumerate(track_of_record(episode).frames):
@@ -91,43 +78,6 @@ def test_an_order_is_late_from_the_step_after_its_due_time() -> None:
     track = track_of_record(carried)
     assert track.frames[-1].caption == "1 delivered (1 late), 0 carried, 0 waiting"
     assert track.ending == "all delivered"
-
-
-def test_bodies_are_drawn_along_their_paths(bodies: FleetEpisode) -> None:
-    track = track_of_record(bodies, 0.2)
-    assert track.is_continuous
-    assert track.steps == 20
-    seconds = sum(max(motion.seconds for motion in motions) for motions in bodies.motions)
-    assert track.frames[-1].clock == pytest.approx(seconds)
-    ends = {frame.progress: frame for frame in track.frames}
-    cells = np.hstack([bodies.cells, bodies.people]).tolist()
-    for step, row in enumerate(cells):
-        for pose, cell in zip(ends[step].robots, row, strict=True):
-            assert pose
-            place = cell % SHELVES.width + 0.5, cell // SHELVES.width + 0.5
-            assert pose.at == pytest.approx(place, abs=0.05)
-    assert any(0.1 < pose.at[0] % 1 < 0.4 for f in track.frames for pose in f.robots if pose)
-    assert all(hit.label == "" for frame in track.frames for hit in frame.hits)
-    assert any(frame.hits for frame in track.frames)
-
-
-def test_within_a_motion_orders_stay_as_they_were_before_it(bodies: FleetEpisode) -> None:
-    frames = track_of_record(bodies, 0.2).frames
-    by_step = track_of_record(bodies, None).frames
-    assert len(by_step) == 21
-    for frame in frames:
-        assert frame.fleet == by_step[math.floor(frame.progress)].fleet
-
-
-@pytest.mark.parametrize("frame_seconds", [0.2, None])
-def test_the_energy_is_the_sum_over_all_robots(
-    bodies: FleetEpisode, frame_seconds: float | None
-) -> None:
-    track = track_of_record(bodies, frame_seconds)
-    used = np.concatenate([[0.0], bodies.joules.sum(axis=1).cumsum()])
-    assert (bodies.joules[0] > 0).sum() > 1, "the first robot is not alone"
-    for frame in track.frames:
-        assert frame.energy == used[math.floor(frame.progress)]
 
 
 @pytest.mark.parametrize("body", [0, -1], ids=["a robot", "a person"])

@@ -14,12 +14,9 @@ from warehouse_core import Episode, RecordError
 from warehouse_core.motion.base import Contact
 from warehouse_core.records.drive_summary import drive_summary
 from warehouse_core.viz.tracks.grid_track import track_of_frames
-from warehouse_core.viz.tracks.history import skids_of
 from warehouse_core.viz.tracks.record_track import (
     Floor,
     frames_along,
-    hit_of,
-    impulse_words,
     track_of_record,
 )
 from warehouse_core.viz.tracks.series import series_of
@@ -52,14 +49,6 @@ def captions(track: Track) -> list[str]:
 # Tracks of episodes.
 
 
-def test_captions_give_actions_and_reasons_and_last_the_diagnosis() -> None:
-    track = track_of_record(short_episode())
-    done = ["", "North: why not", "West", "Pick up", "East", "East"]
-    assert captions(track) == [*done, "delivered in 6 steps; the minimum is 5"]
-    unfinished = track_of_record(short_episode(terminated=False))
-    assert captions(unfinished) == [*done, "Drop"]
-
-
 def test_captions_have_words_for_the_reasons_of_the_greedy_agent_and_for_indices() -> None:
     episode = short_episode(
         actions=["n", 3, "JUMP", 7, "WAIT", "PICK"],
@@ -70,12 +59,6 @@ def test_captions_have_words_for_the_reasons_of_the_greedy_agent_and_for_indices
         "North: getting closer", "West: escaping a loop", "JUMP", "7: why",
         "Wait: no goal to go to", "Pick up: stuck, trying a random move",
     ]  # fmt: skip
-
-
-def test_the_title_names_agent_backend_and_seed() -> None:
-    assert track_of_record(short_episode()).title == "Tester on the grid backend, seed 4"
-    nameless = short_episode(agent="", seed=None)
-    assert track_of_record(nameless).title == "Warehouse on the grid backend"
 
 
 def test_the_ending_is_the_outcome_of_a_finished_episode() -> None:
@@ -224,15 +207,6 @@ def continuous_track(frame_seconds: float | None = 0.5):
     return track_of_record(dataclasses.replace(episode, motions=motions), frame_seconds)
 
 
-def test_a_continuous_motion_has_a_frame_for_each_interval() -> None:
-    track = continuous_track()
-    along = [pose.at[0] for pose in poses(track, 3)]
-    assert along == pytest.approx([2.75, 3.0, 3.25, 3.5])
-    assert len(track) == 1 + 2 * 3 + 4 + 2 * 2
-    assert track.steps == 6
-    assert [track.step_at(frame) for frame in (0, 1, 2, 7, 10)] == [0, 0, 1, 3, 4]
-
-
 def test_the_clock_and_energy_run_through_all_motions_and_without_readings_in_steps() -> None:
     track = continuous_track()
     assert clocks(track) == pytest.approx([0, 1, 2, 3, 5, 6, 7])
@@ -244,13 +218,6 @@ def test_the_clock_and_energy_run_through_all_motions_and_without_readings_in_st
     titles = {series.chart for series in series_of(track, [each.clock for each in track.frames])}
     assert "Energy used (J)" in titles
     assert "Speed (m/s)" not in titles, "a speed is measured, not a difference of positions"
-
-
-def test_a_hit_is_shown_from_its_time_on_with_its_impulse() -> None:
-    track = continuous_track(0.2)
-    hit = [each for each in track.frames if each.hits and 3 < each.progress <= 4]
-    assert [round(each.clock - 3.0, 6) for each in hit] == [1.0, 1.2, 1.4, 1.6]
-    assert {each.hits[0].label for each in hit} == {"28 N·s"}
 
 
 @pytest.mark.parametrize("record", [short_episode(), fleet_episode(max_steps=2)])
@@ -323,29 +290,6 @@ def test_speeds_of_a_chart_add_up_to_the_distance_and_contain_their_extremes() -
         assert energy.values[-1] == pytest.approx(record.joules)
 
 
-def test_a_body_brakes_in_the_second_half_of_a_move_and_shows_its_push() -> None:
-    track = track_of_record(run_episode(backend="physics", seed=12))
-    assert (track.drive, track.is_measured) == ("omnidirectional", True)
-    pushes = [pose.push for pose in poses(track, 2)]
-    assert [push.brakes for push in pushes if push] == [False] * 5 + [True] * 4 + [False]
-    assert [round(math.hypot(*push.velocity), 1) for push in pushes if push] == [
-        0.2, 0.4, 0.6, 0.8, 1.0, 0.8, 0.6, 0.4, 0.2, 0.0
-    ]  # fmt: skip
-    assert not any(push.skids for push in pushes if push)
-
-
-def test_a_body_skids_where_the_grip_of_slippery_floor_limits_its_force() -> None:
-    icy = track_of_record(run_episode(backend="physics:slippery=5-4,grip=0.05", seed=12))
-    skids = [pose for pose in poses(icy) if pose.push and pose.push.skids]
-    assert skids
-    assert all(pose.at[0] < 5.2 and pose.at[1] > 3.8 for pose in skids), "in the first cell"
-    [*marks] = skids_of(icy.frames, 0)
-    assert len(marks) == 2 * len(skids)
-    for number, line in marks:
-        assert icy.frames[number].robots[0] in skids
-        assert math.dist(line[1], skids[0].at) < 1.5
-
-
 def test_a_body_that_rolls_over_slippery_floor_with_little_force_does_not_skid() -> None:
     path = straight_on()
     readings = np.zeros((len(path), 5))
@@ -359,15 +303,6 @@ def test_a_body_that_rolls_over_slippery_floor_with_little_force_does_not_skid()
         assert [push.skids for push in pushes if push] == [True] * expected + [False] * (
             10 - expected
         )
-
-
-def test_a_burst_grows_with_its_impulse_within_limits() -> None:
-    sizes = [hit_of(Contact(0, impulse, (0, 0), "wall"), 1.0, "label").size
-             for impulse in (-5.0, 0.1, 27, 54, 1e6)]  # fmt: skip
-    assert sizes == [0.6, 0.6, 1.0, pytest.approx(math.sqrt(2)), 1.8]
-    assert [impulse_words(impulse) for impulse in (0.24, 9.94, 9.96, 27.5)] == [
-        "0.2 N·s", "9.9 N·s", "10 N·s", "28 N·s"
-    ]  # fmt: skip
 
 
 def test_a_step_without_duration_has_one_frame() -> None:
