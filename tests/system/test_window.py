@@ -81,27 +81,6 @@ def test_a_window_plays_frame_by_frame(watched: Program) -> None:
     assert steps == sorted(steps)
 
 
-def test_space_pauses_and_resumes(watched: Program) -> None:
-    first = paused(watched)
-    assert {watched.picture() for _ in range(10)} == {first}
-    watched.press("space")
-    resumed = watched.pictures_until(lambda picture: picture.step >= first.step + 3)
-    steps = sorted({picture.step for picture in resumed} | {first.step})
-    assert steps == list(range(first.step, first.step + 4))
-
-
-@pytest.mark.parametrize(("key", "by"), [("Right", 1), ("Left", -1)])
-def test_an_arrow_steps_by_exactly_one(watched: Program, key: str, by: int) -> None:
-    before = paused(watched)
-    watched.press(key)
-    *_, changed = watched.pictures_until(lambda picture: picture.step != before.step)
-    assert changed.step == before.step + by
-    assert watched.still() == changed
-    watched.press(key, key)
-    *_, changed = watched.pictures_until(lambda picture: picture.step == before.step + 3 * by)
-    assert watched.still() == changed
-
-
 def test_a_paused_window_can_be_resized(watched: Program) -> None:
     window = watched.focus()
     before = paused(watched)

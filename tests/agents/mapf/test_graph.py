@@ -234,8 +234,3 @@ def test_problems_with_costs_of_turns_are_refused() -> None:
         PlanError, match=r"^turn_cost of the graph is 2.0; in a problem it must be 0"
     ):
         Problem(Graph(HALL, turn_cost=2), [0], [1])
-
-
-def test_the_former_name_of_a_path_works_and_warns() -> None:
-    with pytest.warns(DeprecationWarning, match=r"^Graph\.way has been renamed to path"):
-        assert Graph(Layout(["..."])).way(0, 2) == [0, 1, 2]

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.player import page_in, said_by
 
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
@@ -22,7 +21,6 @@ from agents.search.trace import (
 )
 from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.replay import replay_of_tracks
 from warehouse_core.viz.scene import Scene
 from warehouse_core.world.generators import random_layout
 from warehouse_core.world.tiles import Cell
@@ -137,18 +135,3 @@ def test_searches_beside_each_other_have_as_many_expansions() -> None:
     assert blind.words_after(len(greedy) + 1)[0] == f"{len(greedy) + 1} expanded"
     for each in (blind, greedy):
         assert ", ".join(each.words_after(len(greedy) + 1)) in said
-
-
-def test_a_search_counts_expansions_and_no_steps() -> None:
-    alone = Scene([track_of_course(course(0))], make_figure)
-    alone.show(3)
-    said = [text.get_text() for text in alone.root.texts]
-    assert "3 expanded, 2 in the frontier" in said
-    assert not [words for words in said if "step" in words]
-
-
-def test_a_page_has_the_marks_of_a_search() -> None:
-    found = course(0)
-    shown = replay_of_tracks(track_of_course(found), window=False)
-    [track] = said_by(page_in(shown._repr_html_()))["tracks"]
-    assert track["marks"]["value"] == [*found.marks.values]

@@ -107,19 +107,6 @@ def test_auto_is_run_by_default_and_says_what_it_chose(
     assert out.startswith("--planner auto chose lacam: ")
 
 
-def test_a_former_name_of_a_solver_works_and_names_the_new_one(
-    bay: str, warehouse: Warehouse
-) -> None:
-    words = "--planner", "anytime", "--plan-seconds", 1
-    code, out, err = warehouse("plan", bay, *words)
-    assert code == 0
-    assert [*rows_of(out)][-1] == "anytime"
-    assert err == (
-        "warehouse: warning: planner 'anytime' has been renamed to 'lacam'; the former name will "
-        "be removed\n"
-    )
-
-
 def test_a_planner_without_a_plan_is_reported_next_to_the_others(
     bay: str, warehouse: Warehouse
 ) -> None:
