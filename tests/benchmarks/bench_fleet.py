@@ -16,16 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.fleet_truth import (
-    DROP,
-    EAST,
-    NORTH,
-    PICK,
-    SOUTH,
-    WAIT,
-    WEST,
-    big_warehouse,
-)
+from helpers.fleet_truth import DROP, EAST, NORTH, PICK, SOUTH, WAIT, WEST, big_warehouse
 from helpers.timing import resident
 
 from warehouse_core import FleetEnv, Layout

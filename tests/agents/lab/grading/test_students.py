@@ -23,7 +23,7 @@ from agents.lab.grading.submissions import Submission, Unusable, in_folder
 
 @pytest.fixture(autouse=True)
 def here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Grade in this process, for speed; ``bench_grade.py`` grades the same classes as usual."""
+    """Grade in this process, for speed."""
 
     def graded(*values: Any, **named: Any) -> Any:
         with monkeypatch.context() as context:
