@@ -393,6 +393,9 @@ COLORS = {
 
 MODE_COLORS = {mode: PALETTE["both"][name] for name, group in COLORS.items() for mode in group}
 
+FIRST_MODES = DELIVERED, modes.UNREACHABLE, modes.SERVED
+"""Outcomes at the beginning of a legend; the others follow in the order of their table."""
+
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 """Weights of linear R, G and B. Source: WCAG 2.2, relative luminance."""
 
@@ -412,8 +415,8 @@ def modes_figure(chart: ReportChart, title: str) -> SceneFigure:
     values = [value for value in (*(axis.values if axis else ()), None) if value in found]
     names = AxisNames([everywhere if value is None else shown(value) for value in values])
     occurring = {mode for results in chart.points for mode in results.modes}
-    in_order = [mode for mode in MODES_OF[chart.experiment.kind.row] if mode in occurring]
-    keys = {mode: Patch(color=MODE_COLORS[mode]) for mode in in_order}
+    in_order = dict.fromkeys([*FIRST_MODES, *MODES_OF[chart.experiment.kind.row]])
+    keys = {mode: Patch(color=MODE_COLORS[mode]) for mode in in_order if mode in occurring}
     figure, axes = make_panels(title, len(chart.lines), list(keys), names)
     for ((value, shade), line), each in zip(chart.lines.items(), axes, strict=True):
         for along, results in line.items():

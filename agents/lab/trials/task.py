@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing, nullcontext
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple
 
 from agents.lab.console.values import load_layout, parse_cell
 from agents.lab.console.watch import slow_steps_reported
@@ -47,13 +47,6 @@ MakeWatch = Callable[[object, str], Watch]
 
 MakeNamed = Callable[[str, int, Layout], Agent]
 """Function that returns the agent with a name, given the seed and the layout of its episode."""
-
-
-@runtime_checkable
-class Searching(Protocol):
-    """An agent that counts the nodes it has expanded since its last reset."""
-
-    expanded: int
 
 
 class Task(NamedTuple):
@@ -183,14 +176,14 @@ class Task(NamedTuple):
         Raises:
             EpisodeError: see ``run``.
         """
-        rows, expanded = [], []
+        rows, expanded = [], []  # a search counts the nodes that it has expanded
         for seed in seeds:
             agent = make_agent(seed)
             watch = make_watch(agent, name)
             with closing(self.make_env(seed)) as env:
                 episode = run(env, agent, seed, watch, name=name, randomize=self.randomize)
             rows.append(lone_row(episode))
-            expanded.append(agent.expanded if isinstance(agent, Searching) else 0)
+            expanded.append(getattr(agent, "expanded", 0))
         return Scores(rows, expanded)
 
 

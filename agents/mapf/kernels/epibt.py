@@ -153,19 +153,11 @@ def prefixes(operations: Integers) -> tuple[list[int], list[int], list[int]]:
 
 
 @kernel
-def reserve_path(robots: Robots, epibt: Epibt, robot: int) -> None:
-    """Reserve the cells of the chosen path of a robot."""
+def hold_path(robots: Robots, epibt: Epibt, robot: int, holder: int) -> None:
+    """Reserve the cells of the chosen path of a robot for a holder: the robot, or ``NOBODY``."""
     for time in range(epibt.window):
         cell = epibt.paths[robot * epibt.window + time] % robots.size
-        epibt.holder[time * robots.size + cell] = robot
-
-
-@kernel
-def free_path(robots: Robots, epibt: Epibt, robot: int) -> None:
-    """Free the cells of the chosen path of a robot."""
-    for time in range(epibt.window):
-        cell = epibt.paths[robot * epibt.window + time] % robots.size
-        epibt.holder[time * robots.size + cell] = NOBODY
+        epibt.holder[time * robots.size + cell] = holder
 
 
 @kernel
@@ -244,7 +236,7 @@ def undo(robots: Robots, epibt: Epibt, mark: int) -> None:
     while epibt.trail[last] > mark:
         epibt.trail[last] -= 1
         robot = epibt.trail[epibt.trail[last]]
-        free_path(robots, epibt, robot)
+        hold_path(robots, epibt, robot, NOBODY)
         epibt.states[robot] = FREE
 
 
@@ -383,7 +375,7 @@ def push(robots: Robots, epibt: Epibt, fields: Table, robot: int) -> bool:
                     return False
                 depth -= 1
                 robot = robots.stack[depth]
-                free_path(robots, epibt, robot)
+                hold_path(robots, epibt, robot, NOBODY)
                 undo(robots, epibt, epibt.marks[robot])
                 continue
             write_path(robots, epibt, robot, operation)
@@ -393,7 +385,7 @@ def push(robots: Robots, epibt: Epibt, fields: Table, robot: int) -> bool:
                 exclude(epibt, depth, operation, epibt.collision_time[0])
             if other < NOBODY:
                 continue
-            reserve_path(robots, epibt, robot)
+            hold_path(robots, epibt, robot, robot)
         if other != NOBODY:
             epibt.pushed[robot], epibt.pushed_at[robot] = other, epibt.collision_time[0]
             robots.stack[depth] = robot
@@ -410,7 +402,7 @@ def push(robots: Robots, epibt: Epibt, fields: Table, robot: int) -> bool:
         robot = robots.stack[depth]
         other = first_collision(robots, epibt, robot)
         if other < NOBODY:
-            free_path(robots, epibt, robot)
+            hold_path(robots, epibt, robot, NOBODY)
             undo(robots, epibt, epibt.marks[robot])
 
 
@@ -435,7 +427,7 @@ def choose(robots: Robots, epibt: Epibt, fields: Table) -> bool:
         if epibt.states[robot] == CHOSEN:
             for at in range(robot * window, (robot + 1) * window):
                 epibt.paths[at] = chosen[robot]
-            reserve_path(robots, epibt, robot)
+            hold_path(robots, epibt, robot, robot)
     for turn in range(2):  # robots that cannot do what is expected of them choose first
         for at in range(count):
             robot = robots.order[at]
@@ -452,7 +444,7 @@ def choose(robots: Robots, epibt: Epibt, fields: Table) -> bool:
             for at in range(robot * window, (robot + 1) * window):
                 epibt.paths[at] = epibt.expected_places[at]
             epibt.states[robot] = CHOSEN
-            reserve_path(robots, epibt, robot)
+            hold_path(robots, epibt, robot, robot)
     for robot in range(count):
         chosen[robot] = epibt.paths[robot * window]
     return True
