@@ -15,11 +15,11 @@ from agents.mapf.kernels.robots import NOBODY
 from agents.mapf.planner import (
     Planner,
     Situation,
-    check_step,
-    check_turns,
+    check_next,
     knows_headings,
     next_steps,
 )
+from agents.mapf.problem import places_of
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
 from warehouse_core.arguments import flag, instance_of, one_of, real_number, with_methods
@@ -164,7 +164,7 @@ class PlannedFleet:
             self._scheduler = Scheduler(env, self._assignment, known)
         situation, actions = self._scheduler.situation(env)
         graph, cells, headings = self._scheduler.graph, situation.cells, np.array(env.headings)
-        stays = headings * graph.size + cells if len(headings) else cells
+        stays = places_of(graph, cells, headings)
         known = getattr(self.planner, "graph", None) or graph
         if known.closed != graph.closed:
             known.close(graph.closed)
@@ -190,9 +190,7 @@ class PlannedFleet:
         """Return the checked next cells of the robots, or their next places with headings."""
         with time_limit(self._seconds):
             chosen = next_steps(self.planner, situation, headings)
-        if len(headings):
-            return check_turns(graph, situation, headings, chosen)
-        return check_step(graph, situation, chosen)
+        return check_next(graph, situation, headings, chosen)
 
     def _lose(self, env: FleetEnv, stays: Integers, reason: str) -> Integers:
         self.lost.append((env.steps + 1, reason))

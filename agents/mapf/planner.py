@@ -218,6 +218,13 @@ def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
     return problem.plan_of(np.array(steps))
 
 
+def check_next(graph: Graph, situation: Situation, headings: Integers, chosen: object) -> Integers:
+    """Return the checked choice of a planner: places for robots with headings, otherwise cells."""
+    if len(headings):
+        return check_turns(graph, situation, headings, chosen)
+    return check_step(graph, situation, chosen)
+
+
 def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
     """Return the next cells that a planner has chosen in a situation, after checking them.
 

@@ -186,7 +186,7 @@ class Plan:
 
 def places_of(graph: Graph, cells: Integers, headings: Integers | None) -> Integers:
     """Return the places of robots: their cells, plus ``H * W`` times their headings if any."""
-    return cells if headings is None else headings * graph.size + cells
+    return cells if headings is None or not len(headings) else headings * graph.size + cells
 
 
 Solver = Callable[[Problem, float], Plan]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from functools import partial
 from itertools import count
 from typing import NamedTuple
@@ -20,16 +19,16 @@ from agents.mapf.graph import CLOSED, Fields, Graph
 from agents.mapf.kernels.lacam import prepare_solvers
 from agents.mapf.kernels.places import FAR
 from agents.mapf.planner import (
+    NO_CELLS,
     SIDES,
     Planner,
     Situation,
-    check_step,
-    check_turns,
+    check_next,
     knows_headings,
     next_steps,
     solve_by_steps,
 )
-from agents.mapf.problem import Plan, Problem, Solver
+from agents.mapf.problem import Plan, Problem, Solver, places_of
 from agents.mapf.time_limit import time_limit
 from agents.registry import PLANNERS, agent_file, make_planner
 from warehouse_core import Layout
@@ -134,8 +133,7 @@ def check_plan(problem: Problem, plan: object) -> None:
     needed = None if problem.headings is None else plan.cells.shape
     if shape != needed:
         raise PlanError(f"it returned headings of the shape {shape}; needed: {needed}")
-    nobody, none = np.zeros(robots, np.bool_), np.empty(0, np.intp)
-    goals = np.array(problem.goals)
+    nobody, goals = np.zeros(robots, np.bool_), np.array(problem.goals)
     for what, ends, row in (("start", problem.starts, 0), ("goal", problem.goals, -1)):
         for robot in np.flatnonzero(plan.cells[row] != np.array(ends))[:1].tolist():
             place, wanted = map(problem.graph.layout.cell, (plan.cells[row, robot], ends[robot]))
@@ -146,12 +144,10 @@ def check_plan(problem: Problem, plan: object) -> None:
             raise PlanError(f"robot {robot} does not head {SIDES[headings[robot]]} initially")
     places = plan.places(problem.graph)
     for step, cells in enumerate(plan.cells[:-1]):
-        situation, after = Situation(cells, goals, nobody, none), places[step + 1]
+        headings = NO_CELLS if plan.headings is None else plan.headings[step]
+        situation = Situation(cells, goals, nobody, NO_CELLS)
         try:
-            if plan.headings is None:
-                check_step(problem.graph, situation, after)
-            else:
-                check_turns(problem.graph, situation, plan.headings[step], after)
+            check_next(problem.graph, situation, headings, places[step + 1])
         except PlanError as error:
             raise PlanError(f"step {step}: {error}") from None
 
@@ -214,16 +210,8 @@ class CheckedPlanner:
         self._numbers, self.lost = count(), []
 
     def next_cells(self, situation: Situation) -> Integers:
-        """Return the cell of each robot after the next joint step, ``[R]``.
-
-        Raises:
-            PlanError: the step has a conflict, or the planner failed.
-        """
-        return self._checked(
-            partial(self._planner.next_cells, situation),
-            partial(check_step, self._graph, situation),
-            situation.cells,
-        )
+        """Return the cell of each robot after the next joint step; see ``next_places``."""
+        return self.next_places(situation, NO_CELLS)
 
     def next_places(self, situation: Situation, headings: Integers) -> Integers:
         """Return the place (cell and heading) of each robot after the next joint step, ``[R]``.
@@ -231,25 +219,15 @@ class CheckedPlanner:
         Raises:
             PlanError: the step has a conflict, or the planner failed.
         """
-        return self._checked(
-            partial(next_steps, self._planner, situation, headings),
-            partial(check_turns, self._graph, situation, headings),
-            headings * self._graph.size + situation.cells,
-        )
-
-    def _checked(
-        self, choose: Callable[[], object], check: Callable[[object], Integers], here: Integers
-    ) -> Integers:
-        """Return the checked result of ``choose``, or ``here`` if it takes too long."""
         number = next(self._numbers)
         try:
             with time_limit(self._seconds):
-                chosen = choose()
-            return check(chosen)
+                chosen = next_steps(self._planner, situation, headings)
+            return check_next(self._graph, situation, headings, chosen)
         except TimeoutError:
             self.lost.append(number)
             self._planner.reset()
-            return here
+            return places_of(self._graph, situation.cells, headings)
         except Exception as error:  # the planner of a user may raise anything
             is_clear = isinstance(error, PlanError)
             reason = str(error) if is_clear else reason_of(error, agent_file(self._name))
