@@ -5,16 +5,17 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future
+from concurrent.futures import Executor, Future
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, ClassVar
 
 from agents.errors import StoreError
-from agents.lab.experiments.plan import make_plan, parse_flags
+from agents.lab.experiments.plan import SweepPlan, make_plan, parse_flags
 from agents.lab.experiments.store import BOTH, TABLE_OF, Store
-from agents.lab.experiments.sweep import run_missing
+from agents.lab.experiments.sweep import SweepRun
 from helpers import executors
 from helpers.command_line import ROOT
 
@@ -42,8 +43,18 @@ class Here(executors.Here):
         return future
 
 
-def nothing(rows: Sequence[Any], failures: Sequence[str] = ()) -> None:
-    pass
+def run_missing(
+    plan: SweepPlan,
+    store: Store,
+    executor: Executor,
+    workers: int = 1,
+    report: Callable[[Sequence[Any], str], None] = lambda rows, failure: None,
+) -> Counter[int]:
+    """Run the missing episodes of a plan, and return the number of failures by case number."""
+    run = SweepRun(plan, store)
+    for rows, failure in run.episodes(executor, workers):
+        report(rows, failure)
+    return run.failed
 
 
 def table(path: Path) -> list[tuple[Any, ...]]:
@@ -77,7 +88,7 @@ def words(output: Path, episodes: int, flags: Sequence[str] = FLAGS, workers: in
 
 def uninterrupted(path: Path, episodes: int, flags: Sequence[str] = FLAGS) -> list[Any]:
     with Store(path) as store:
-        run_missing(make_plan(parse_flags(flags), episodes, 3), store, Here(), 1, nothing)
+        run_missing(make_plan(parse_flags(flags), episodes, 3), store, Here())
     return table(path)
 
 

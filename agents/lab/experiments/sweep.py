@@ -17,9 +17,8 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 from typing import Annotated, NamedTuple
@@ -54,16 +53,10 @@ TASKS_PER_WORKER = 2
 """Number of submitted tasks per worker, so that no worker has to wait for its next task."""
 
 TICK = 0.1
-"""Seconds after which ``report`` is called even if no task has finished."""
+"""Seconds after which a run yields even if no task has finished."""
 
 MAX_FAILURES = 20
 """Number of failed episodes of a case after which its remaining seeds are skipped."""
-
-ReportRows = Callable[[Sequence[AnyRow], Sequence[str]], None]
-"""Function that receives stored rows and messages of failures; it may raise to end the run.
-
-It is also called with empty sequences, see ``TICK``.
-"""
 
 
 class WorkerTask(NamedTuple):
@@ -82,49 +75,78 @@ def paced(episodes: int, seconds: float) -> int:
     return max(1, min(round(wanted), 4 * episodes, MAX_TASK_EPISODES))
 
 
-class TaskQueue:
-    """The remaining tasks of a plan, and the number of failures of each case."""
+class SweepRun:
+    """The run of the missing episodes of a plan.
+
+    Attributes:
+        failed: number of failures of each case, by its number.
+    """
 
     def __init__(self, plan: SweepPlan, store: Store) -> None:
-        self.failed, self._task_episodes = Counter[int](), 1
-        self._missing, self._again = self._missing_tasks(plan, store), list[WorkerTask]()
+        self.failed, self._task_episodes, self._store = Counter[int](), 1, store
+        self._missing, self._again = self._missing_tasks(plan), list[WorkerTask]()
 
-    def take(self) -> WorkerTask | None:
+    def episodes(self, executor: Executor, workers: int) -> Iterator[tuple[list[AnyRow], str]]:
+        """Run the episodes, and yield new rows in the store and the message of a failure, if any.
+
+        Without news, it yields nothing of either, see ``TICK``. An error of the store or the
+        executor ends the run. Rows that have been written remain in the store.
+        """
+        running = dict[Future[Done], WorkerTask]()
+        while True:
+            while len(running) < TASKS_PER_WORKER * workers and (task := self._take()):
+                running[executor.submit(run_task, task.case, task.seeds)] = task
+            if not running:
+                return
+            done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
+            yield [], ""
+            # Tasks without an outcome come last, because they may end the run.
+            for future in sorted(done, key=lambda each: each.cancelled() or bool(each.exception())):
+                task = running.pop(future)
+                try:
+                    outcome = future.result()
+                except WorkerError as ending:
+                    yield [], self._ended(task, str(ending))
+                else:
+                    self._store.add(task.case_id, outcome.rows, outcome.program)
+                    yield outcome.rows, self._done(task, outcome)
+
+    def _take(self) -> WorkerTask | None:
         """Return the next task, or ``None`` if no task is left."""
         while self._again:
             if self._is_wanted(task := self._again.pop()):
                 return task
         return next(self._missing, None)
 
-    def done(self, task: WorkerTask, outcome: Done) -> list[str]:
-        """Record that a task has finished, and return messages about its failures."""
+    def _done(self, task: WorkerTask, outcome: Done) -> str:
+        """Record that a task has finished, and return the failure, if it is one."""
         if outcome.failure is None:
             self._task_episodes = paced(len(task.seeds), outcome.seconds)
-            return []
+            return ""
         if rest := task.seeds[len(outcome.rows) + 1 :]:
             self._again.append(task._replace(seeds=rest))
         return self._failed(task, outcome.failure)
 
-    def ended(self, task: WorkerTask, ending: str) -> list[str]:
-        """Record that the worker of a task has ended, and return messages about its failures."""
+    def _ended(self, task: WorkerTask, ending: str) -> str:
+        """Record that the worker of a task has ended, and return the failure, if it is one."""
         if not task.is_retry:
             self._again += [task._replace(seeds=[seed], is_retry=True) for seed in task.seeds]
-            return []
+            return ""
         return self._failed(
             task, f"{about(task.case, task.seeds[0])}: {ending}; it was tried twice"
         )
 
-    def _failed(self, task: WorkerTask, message: str) -> list[str]:
+    def _failed(self, task: WorkerTask, message: str) -> str:
         self.failed[task.case_id] += 1
         if not self._is_wanted(task):
             message += f"; its other seeds are skipped after MAX_FAILURES = {MAX_FAILURES}"
-        return [message]
+        return message
 
-    def _missing_tasks(self, plan: SweepPlan, store: Store) -> Iterator[WorkerTask]:
+    def _missing_tasks(self, plan: SweepPlan) -> Iterator[WorkerTask]:
         """Yield the missing episodes in tasks of the current size, skipping cases that fail."""
         for case in plan.cases:
-            case_id = store.case_id(case)
-            seeds = _missing_seeds(store, case_id, plan.seeds)
+            case_id = self._store.case_id(case)
+            seeds = _missing_seeds(self._store, case_id, plan.seeds)
             while self.failed[case_id] < MAX_FAILURES:
                 if not (some := list(islice(seeds, self._task_episodes))):
                     break
@@ -134,64 +156,12 @@ class TaskQueue:
         return self.failed[task.case_id] < MAX_FAILURES
 
 
-def run_missing(
-    plan: SweepPlan, store: Store, executor: Executor, workers: int, report: ReportRows
-) -> Counter[int]:
-    """Run the missing episodes of a plan, and return the number of failures by case number.
-
-    An error of the store, the executor or ``report`` ends the run. Rows that have been written
-    remain in the store.
-    """
-    queue, running = TaskQueue(plan, store), dict[Future[Done], WorkerTask]()
-    while True:
-        while len(running) < TASKS_PER_WORKER * workers and (task := queue.take()):
-            running[executor.submit(run_task, task.case, task.seeds)] = task
-        if not running:
-            return queue.failed
-        done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
-        report([], [])
-        # Tasks without an outcome come last, because they may end the run.
-        for future in sorted(done, key=lambda each: each.cancelled() or bool(each.exception())):
-            task = running.pop(future)
-            try:
-                outcome = future.result()
-            except WorkerError as ending:
-                report([], queue.ended(task, str(ending)))
-            else:
-                store.add(task.case_id, outcome.rows, outcome.program)
-                report(outcome.rows, queue.done(task, outcome))
-
-
 def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
     """Yield the seeds that are not in the store, looking them up in parts to save memory."""
     for start in range(0, len(seeds), SEEDS_AT_ONCE):
         some = seeds[start : start + SEEDS_AT_ONCE]
         done = store.seeds_done(case_id, some)
         yield from (seed for seed in some if seed not in done)
-
-
-@contextmanager
-def sweep_bar(episodes: int, check: CheckInterrupt) -> Iterator[ReportRows]:
-    """Show a progress bar, and yield a function that advances it and checks for interrupts.
-
-    The function also prints each new message of a failure.
-    """
-    from agents.lab.console.progress import progress_bar
-
-    done, reported = 0, set[str]()
-    with progress_bar(episodes) as advance:
-
-        def report(rows: Sequence[AnyRow], failures: Sequence[str]) -> None:
-            nonlocal done
-            for failure in {*failures} - reported:
-                reported.add(failure)  # a failure of a whole case is repeated for each seed
-                print_error(failure)
-            if rows:
-                done += len(rows)
-                advance(done)
-            check()
-
-        yield report
 
 
 PRESETS = {
@@ -278,12 +248,12 @@ def sweep(
         done = _done(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
         say(f"{cases}, {each} each, {done:,} done")
-        missing, failed = plan.total - done, Counter[int]()
+        missing, run = plan.total - done, SweepRun(plan, store)
         count = min(jobs or os.cpu_count() or 1, missing)
         try:
             if missing:
-                with Processes(count) as pool, sweep_bar(missing, check) as report:
-                    failed = run_missing(plan, store, pool, count, report)
+                with Processes(count) as pool:
+                    show_progress(run.episodes(pool, count), missing, check)
         except KeyboardInterrupt:
             done = _done(plan, store)
             say(
@@ -291,14 +261,33 @@ def sweep(
                 "to resume"
             )
             raise typer.Abort from None  # typer would end without a message
-        if failed:
+        if run.failed:
+            failed = f"{counted(run.failed.total(), 'episode')} failed"
             raise EpisodeError(
-                f"{counted(failed.total(), 'episode')} failed (in {len(failed)} of {cases}); "
+                f"{failed} (in {len(run.failed)} of {cases}); "
                 f"{output} now has {_done(plan, store):,} of {plan.total:,} episodes; run the same "
                 "command again to run the missing ones"
             )
     episodes_done = f"{counted(plan.total, 'episode')} done"
     say(f"{episodes_done}; see the results with: warehouse report {output}")
+
+
+def show_progress(
+    news: Iterator[tuple[list[AnyRow], str]], total: int, check: CheckInterrupt
+) -> None:
+    """Show the progress of a run, print each failure once, and check for interrupts."""
+    from agents.lab.console.progress import progress_bar  # here, because it loads Rich
+
+    done, reported = 0, {""}  # "" is no failure
+    with progress_bar(total) as advance:
+        for rows, failure in news:
+            if failure not in reported:  # a failure of a whole case is repeated for each seed
+                print_error(failure)
+                reported.add(failure)
+            if rows:
+                done += len(rows)
+                advance(done)
+            check()
 
 
 def _given(file: Path | None, preset: str | None) -> PlanFile:

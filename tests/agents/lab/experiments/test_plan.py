@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from helpers.command_line import Refused
-from helpers.sweeps import Here, nothing
+from helpers.sweeps import Here, run_missing
 
 from agents.errors import ParameterError
 from agents.lab.experiments import plan as plan_file
@@ -18,7 +18,7 @@ from agents.lab.experiments.plan import (
     read_plan_file,
 )
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.sweep import PRESETS, run_missing
+from agents.lab.experiments.sweep import PRESETS
 from agents.lab.parameters import PARAMETERS
 
 
@@ -122,5 +122,5 @@ def test_a_preset_varies_a_parameter_with_a_question_and_can_be_run(
     assert varied
     assert all(PARAMETERS[each].question.endswith("?") for each in varied)
     with Store(tmp_path / "r.sqlite") as store:
-        run_missing(plan, store, Here(), 1, nothing)
+        run_missing(plan, store, Here())
         assert [store.count(case, plan.seeds) for case in plan.cases] == [1] * len(plan.cases)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.sweeps import AGENT, Here, nothing, table
+from helpers.sweeps import AGENT, Here, run_missing, table
 
 from agents.errors import WorkerError
 from agents.lab.experiments.case import run_task
@@ -19,7 +19,6 @@ from agents.lab.experiments.sweep import (
     MAX_TASK_EPISODES,
     TASK_SECONDS,
     paced,
-    run_missing,
 )
 from agents.lab.trials.rows import Row
 from agents.lab.trials.workers import Processes
@@ -49,7 +48,7 @@ def run(
     executor: Executor, plan: SweepPlan = PLAN, workers: int = 2, path: Path = PATH
 ) -> list[Any]:
     with Store(path) as store:
-        run_missing(plan, store, executor, workers, nothing)
+        run_missing(plan, store, executor, workers)
     return table(path)
 
 
@@ -57,8 +56,8 @@ def failures_of(executor: Executor, plan: SweepPlan, workers: int = 1) -> list[s
     """Run a plan and return the messages of failures."""
     messages: list[str] = []
 
-    def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
-        messages.extend(failures)
+    def report(rows: Sequence[Row], failure: str) -> None:
+        messages.extend([failure] if failure else [])
 
     with Store(PATH) as store:
         failed = run_missing(plan, store, executor, workers, report)
@@ -204,7 +203,7 @@ def test_rows_are_reported_once_after_they_are_stored() -> None:
     plan = make_plan({}, 20, 0)
     with Store(PATH) as store, ThreadPoolExecutor(2) as executor:
 
-        def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+        def report(rows: Sequence[Row], failure: str) -> None:
             reported.extend(row.seed for row in rows)
             assert store.count(plan.cases[0], plan.seeds) == len(reported)
 
@@ -215,7 +214,7 @@ def test_rows_are_reported_once_after_they_are_stored() -> None:
 def test_processes_end_without_warnings_while_tasks_are_waiting() -> None:
     stored = set[int]()
 
-    def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+    def report(rows: Sequence[Row], failure: str) -> None:
         stored.update(row.seed for row in rows)
         if 6 in stored and not rows:
             raise KeyboardInterrupt

@@ -6,11 +6,10 @@ from typing import Any
 import pytest
 from helpers.command_line import Refused, Warehouse
 from helpers.results_files import experiment_of, fill, outcomes
-from helpers.sweeps import Here, nothing
+from helpers.sweeps import Here, run_missing
 
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.sweep import run_missing
 from agents.lab.reports import page as page_module
 from agents.lab.reports import report
 from agents.lab.reports.page import Page, make_page
@@ -71,8 +70,6 @@ def test_each_outcome_is_replayed(tmp_path: Path, warehouse: Warehouse) -> None:
             make_plan({"max_steps": 12, "battery": [2, 20], "stations": ["drawn", "kept"]}, 3, 0),
             store,
             Here(),
-            1,
-            nothing,
         )
     assert warehouse("report", results).code == 0
     with Store(results, read_only=True) as store:
