@@ -3,7 +3,6 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import Warehouse
-from PIL import Image
 
 from agents.lab.commands.compare_backends import comparison_table, first_difference
 from agents.run_episode import run_episode
@@ -22,23 +21,6 @@ def test_the_first_step_that_differs_is_found() -> None:
     assert rows[0] == ("outcome", "delivered", "delivered", "out of time")
     assert rows[3] == ("seconds", "-", "49.8", "-")
     assert rows[-1] == ("first step that differs", "-", "none", "step 11")
-
-
-def test_compare_prints_the_table_and_the_story_and_saves_all_replays(
-    warehouse: Warehouse, tmp_path: Path
-) -> None:
-    target = tmp_path / "all.png"
-    result = warehouse("compare", "backends", "--seed", 12, "--save", target)
-    assert result.code == 0
-    with Image.open(target) as image:
-        assert image.width > 2 * image.height
-    assert all(word in result.out for word in ("grid", "physics", "driving", "joules"))
-    story = " ".join(result.out.partition("The grid counts")[2].split())
-    assert story.startswith(
-        "23 steps. Move by move, the body needs 49.8 s and 1.8 kJ and stops 21 times. Driving "
-        "through, the body needs 32.7 s and 1.2 kJ and stops 6 times. All three visit the same "
-        "cells."
-    )
 
 
 def test_a_single_backend_is_compared_with_the_grid(warehouse: Warehouse) -> None:

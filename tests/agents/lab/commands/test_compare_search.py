@@ -46,17 +46,6 @@ def test_the_table_has_a_row_for_each_weight(search: Search) -> None:
     assert algorithm(0.5) == "weighted A*"
 
 
-def test_without_options_the_four_searches_differ(search: Search) -> None:
-    out = search()
-    assert "Search from (2, 10) to (1, 3), heuristic: manhattan" in out
-    expanded = [int(row[3]) for row in rows(out)]
-    assert expanded == sorted(set(expanded), reverse=True)
-    assert len(expanded) == 4
-    costs = [row[2] for row in rows(out)]
-    assert costs[0] == costs[1] == "12"
-    assert costs[3] == "14"
-
-
 def test_the_default_start_is_far_from_the_goal(search: Search) -> None:
     assert "Search from (4, 9) to (4, 2)" in search("--layout", "trap")
     assert "Search from (1, 10) to (5, 1)" in search("--goal", "5,1")

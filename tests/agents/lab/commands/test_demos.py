@@ -1,45 +1,9 @@
-import math
 import re
-from itertools import pairwise
 
 import pytest
 from PIL import Image
 
 from agents.lab.commands.demos import DEMOS
-
-
-def places_of(track, robot=0):
-    return [frame.robots[robot].at for frame in track.frames]
-
-
-def test_the_bump_flashes_with_its_impulse_and_goes_back():
-    [track] = DEMOS["bump"]().tracks
-    hits = [hit for frame in track.frames for hit in frame.hits]
-    assert hits
-    assert all("N·s" in hit.label for hit in hits)
-    places = places_of(track)
-    assert places[-1] == pytest.approx(places[0], abs=1e-3)
-    assert min(x for x, _ in places) == pytest.approx(1.35, abs=0.02)
-
-
-def test_the_plan_fails_on_the_slippery_floor():
-    plan, slipped = DEMOS["slip"]().tracks
-    assert (plan.ending, slipped.ending) == ("delivered", "not delivered")
-    assert "slippery" in slipped.title
-
-
-def test_a_robot_with_two_wheels_turns_on_the_spot_before_it_drives_on():
-    free, wheeled = DEMOS["wheels"]().tracks
-    assert wheeled.frames[-1].clock > free.frames[-1].clock + 3 * 1.2
-    assert places_of(wheeled)[-1] == pytest.approx(places_of(free)[-1], abs=1e-3)
-    poses = [(*pose.at, pose.heading or 0.0) for pose in (it.robots[0] for it in wheeled.frames)]
-    turns = [
-        (x % 1, y % 1)
-        for (x, y, heading), (_, _, later) in pairwise(poses)
-        if abs(math.remainder(later - heading, math.tau)) > 0.02
-    ]
-    assert len(turns) > 10
-    assert turns == [pytest.approx((0.5, 0.5), abs=0.02)] * len(turns)
 
 
 def test_robots_push_each_other_only_to_cells_beside_them():

@@ -3,10 +3,9 @@ from pathlib import Path
 import pytest
 from helpers.command_line import Refused, Warehouse
 
-from warehouse_core import DEFAULT_LAYOUT, Layout, random_layout, shelf_layout
-from warehouse_core.world.generators import benchmark_warehouse
+from warehouse_core import Layout, random_layout, shelf_layout
 from warehouse_core.world.map_files import load_map
-from warehouse_core.world.named_layouts import NAMES, named_layout
+from warehouse_core.world.named_layouts import named_layout
 
 
 @pytest.fixture(autouse=True)
@@ -25,14 +24,8 @@ def files(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
             "shelves:rows=3,columns=2,length=5,depth=2,aisle=3,seed=7",
             shelf_layout(3, 2, 5, 2, 3, 7),
         ),
-        (
-            "shelves:aisle=2,pickups=4,dropoffs=3,chargers=2,seed=7",
-            shelf_layout(aisle=2, seed=7, pickups=4, dropoffs=3, chargers=2),
-        ),
-        ("warehouse:3-4-5-2-1", benchmark_warehouse(3, 4, 5, 2, 1)),
         ("room.txt", Layout(["#####", "#P.D#", "#...#", "#####"])),
         ("maze", named_layout("maze")),
-        ("default", DEFAULT_LAYOUT),
         ("hall.map", Layout(["#...", "#..."])),
     ],
 )
@@ -101,10 +94,3 @@ def test_what_is_no_layout_is_refused(
 def test_a_layout_can_be_saved_as_a_map(warehouse: Warehouse) -> None:
     assert warehouse("layout", "shelves:", "-o", "new.map").out == "saved new.map\n"
     assert load_map("new.map") == shelf_layout().with_stations(None, None)
-
-
-def test_layouts_with_names_are_listed(warehouse: Warehouse) -> None:
-    out = warehouse("layout").out
-    for name in NAMES:
-        layout = named_layout(name)
-        assert f"{name}, {layout.height} x {layout.width}\n{layout}\n" in out

@@ -7,13 +7,10 @@ from typing import Any
 import pytest
 import typer
 from helpers.command_line import Refused, Warehouse
-from helpers.player import said_by
 
-from agents.lab.commands.worlds import GRID_SECONDS, TITLES, misses, split_worlds, world_sentence
+from agents.lab.commands.worlds import misses, split_worlds, world_sentence
 from warehouse_core import Episode, EpisodeRecorder, Layout, WarehouseEnv
-from warehouse_physics import RobotSpec
 
-MAX_BYTES = 250_000
 WORLDS = "grid,physics,icy"
 
 
@@ -44,32 +41,6 @@ def test_a_plan_that_delivers_on_the_grid_fails_on_ice_and_an_agent_that_looks_d
     assert rows_of(looking.out)["outcome"] == ["delivered"] * 3
     words = " ".join(looking.out.split())
     assert re.search(r"looked where it was, and delivered in 23 steps instead of 18\.", words)
-
-
-def test_the_grid_has_no_seconds_but_steps_as_long_as_moves_of_the_body(
-    warehouse: Warehouse,
-) -> None:
-    out = warehouse("race", "--worlds", WORLDS, "--max-steps", 24, "--save", "race.html").out
-    rows = rows_of(out)
-    for name in ("seconds", "joules", "distance (m)", "highest speed (m/s)", "stops", "hits"):
-        grid, *bodies = rows[name]
-        assert grid == "-"
-        assert all(float(text.replace(",", "")) >= 0 for text in bodies), name
-    assert rows["largest impulse (N·s)"][:2] == ["-", "-"]
-    assert float(rows["largest impulse (N·s)"][2]) > 1
-    page = Path("race.html").read_text(encoding="utf-8")
-    assert len(page.encode()) <= MAX_BYTES
-    grid, body, icy = said_by(page)["tracks"]
-    assert [grid["title"], body["title"], icy["title"]] == [
-        TITLES[world] for world in WORLDS.split(",")
-    ]
-    assert grid["time"] == [GRID_SECONDS * step for step in range(19)]
-    assert grid["captions"][-1] == "delivered in 18 steps; the minimum is 18"
-    assert icy["captions"][-1] == "Step 2 ended 0.6 m short of (6, 1)"
-    assert grid["ghost"] == {"x": [], "y": []}
-    assert len(icy["ghost"]["x"]) == len(icy["time"]) == len(icy["ghost"]["y"])
-    assert body["time"][-1] == pytest.approx(float(rows["seconds"][1]), abs=0.06)
-    assert pytest.approx(RobotSpec().move_seconds(loaded=False), abs=0.01) == GRID_SECONDS
 
 
 def test_a_body_drives_the_path_of_the_grid_in_one_go(warehouse: Warehouse) -> None:
