@@ -127,5 +127,5 @@ def test_braking_in_a_turn_gives_energy_back() -> None:
 
 
 def test_jams_end_as_on_the_grid() -> None:
-    made, wrong, cut_off = differences_in_jams(300, drive="differential")
-    assert (made >= 300, wrong, cut_off) == (True, 0, 0)
+    made, wrong, cut_off = differences_in_jams(600, drive="differential")
+    assert (made >= 600, wrong, cut_off) == (True, 0, 0)

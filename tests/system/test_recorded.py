@@ -327,10 +327,11 @@ def details() -> Lines:
     frames[2].route = (0.5, 0.5), (5.5, 2.5)
     yield from of_tracks(Track(frames, {}, marks=marks, title="Search"))
     few = LOOK["battery"]["few"]
+    plans = StepPlans({0: [(0, 0), (0, 1)]}, {0: [(0, 1), (1, 1), (1, 1)]}, {1: 0})
     for robots, width in ((few, 8), (few + 1, 8), (few + 1, 24), (few + 1, 61)):
         poses = tuple(Pose((n % width + 0.5, n // width + 0.5), 0.0, False) for n in range(robots))
         battery = tuple((0.0, 0.24, 0.25, 0.9)[n % 4] for n in range(robots))
-        fleet = FleetFrame((), (None,) * robots, battery)
+        fleet = FleetFrame((), (None,) * robots, battery, plans)
         yield from of_tracks(Track([Frame(("." * width,) * 4, poses, 0.0, fleet=fleet)], {}))
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from warehouse_core.viz.charts import BatteryBar, Chart, fit
+from warehouse_core.viz.charts import BatteryBar, Chart, charts_of, fit
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.tracks.series import Series
 from warehouse_core.viz.tracks.track import Frame, Track
@@ -54,3 +54,9 @@ def test_a_battery_has_a_bar_of_its_level_and_words_that_warn() -> None:
         (0, "battery unknown"),
         (1, "battery 45 of 40"),
     ]
+
+
+def test_charts_are_those_that_have_something_to_show() -> None:
+    still = Track([Frame(("..",), (), 0.0)], {"rewards": [0.0]})
+    assert [*charts_of(still, [0.0])] == ["Reward"]
+    assert [*charts_of(Track(still.frames, {}), [0.0])] == []

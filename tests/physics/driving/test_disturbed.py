@@ -50,8 +50,9 @@ def ring(step: int) -> list[Cell]:
 @pytest.mark.parametrize(
     "disturbances",
     [
-        Disturbances(actuation_noise=0.1, motor_strength=0.5),
+        Disturbances(actuation_noise=0.1),
         Disturbances(drag_spread=0.9),
+        Disturbances(motor_strength=0.5),
         Disturbances(slippery=frozenset({(1, 1), (2, 2)})),
     ],
 )

@@ -80,6 +80,17 @@ def test_an_order_is_late_from_the_step_after_its_due_time() -> None:
     assert track.ending == "all delivered"
 
 
+@pytest.mark.parametrize("frame_seconds", [0.2, None])
+def test_the_energy_is_the_sum_over_all_robots(
+    bodies: FleetEpisode, frame_seconds: float | None
+) -> None:
+    track = track_of_record(bodies, frame_seconds)
+    used = np.concatenate([[0.0], bodies.joules.sum(axis=1).cumsum()])
+    assert (bodies.joules[0] > 0).sum() > 1, "the first robot is not alone"
+    for frame in track.frames:
+        assert frame.energy == used[math.floor(frame.progress)]
+
+
 @pytest.mark.parametrize("body", [0, -1], ids=["a robot", "a person"])
 def test_a_motion_of_a_fleet_longer_than_its_step_says_raises(
     bodies: FleetEpisode, tmp_path: Path, body: int
