@@ -3,6 +3,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from helpers.fleets import LINE, SHELVES, Couriers, fleet_episode
 
