@@ -112,13 +112,10 @@ MAY_IMPORT = {
     "agents/lab/training": "lab/console lab/trials learning",
     "agents/lab/datasets": "errors lab/experiments lab/trials registry",
     "agents/lab/reports": "errors lab lab/console lab/experiments lab/trials registry",
-    "agents/lab/commands/backends": (
-        "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
-    ),
     "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",
     "agents/lab/commands": (
-        "code_names errors fleet lab lab/commands/backends lab/commands/fleet "
+        "code_names errors fleet lab lab/commands/fleet "
         "lab/commands/grade lab/commands/planners lab/console lab/datasets "
         "lab/experiments lab/playground lab/reports lab/runs lab/training lab/trials learning mapf "
         "registry search warehouse_agent_greedy"

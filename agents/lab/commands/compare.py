@@ -9,9 +9,9 @@ from typing import Annotated, ClassVar, NamedTuple
 import typer
 
 from agents.lab.commands import random_layouts
-from agents.lab.commands.backends.fleets import DISTURBED, compare_fleets
 from agents.lab.commands.compare_agents import AGENTS, compare_agents
 from agents.lab.commands.compare_backends import compare_backends
+from agents.lab.commands.compare_fleets import DISTURBANCES, compare_fleets
 from agents.lab.commands.compare_search import HEURISTICS, compare_search
 from agents.lab.commands.planners.compare_planners import compare_planners
 from agents.lab.console import options
@@ -229,7 +229,7 @@ def compare(
             only(
                 "Disturbances of the bodies. NOISE is the standard deviation of the speed error, "
                 "as a share of the commanded speed, up to 0.5. SECONDS is how long one robot "
-                f"stops; inf means forever. Default: {DISTURBED}.",
+                f"stops; inf means forever. Default: {DISTURBANCES}.",
                 "disturbed",
             ),
         ),

@@ -9,8 +9,17 @@ import pytest
 from helpers.command_line import Refused, Warehouse
 from helpers.player import page_in, said_by
 
-from agents.lab.commands.backends.fleets import losses, parse_disturbed, table_of
-from agents.lab.commands.backends.trial import DISTURBED, DRIVING, PLAN, STOPPING, WORLDS, Score
+from agents.lab.commands.compare_fleets import (
+    DISTURBED,
+    DRIVING,
+    PLAN,
+    STOPPING,
+    WORLDS,
+    Score,
+    losses,
+    parse_disturbed,
+    table_of,
+)
 
 SMALL = (
     "compare", "backends", "--robots", 2, "--count", 2, "--order-rate", 0.1, "--seed", 5,

@@ -6,7 +6,7 @@ from math import inf
 
 import pytest
 
-from agents.lab.commands.backends.trial import (
+from agents.lab.commands.compare_fleets import (
     BATTERY,
     DISTURBED,
     DRIVING,
