@@ -24,13 +24,16 @@ from helpers.mapf_turns import turning_conflict
 from helpers.mapf_validator import plan_conflict
 
 from agents.errors import PlanError
-from agents.lab.commands.planners.floors import (
+from agents.lab.commands.planners.runs import (
+    SOLVERS,
+    Attempt,
     PlannerFloor,
+    attempt,
     find_floor,
+    make_stepper,
     random_problem,
     scenario_problem,
 )
-from agents.lab.commands.planners.runs import SOLVERS, Attempt, attempt, make_stepper
 from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import ConflictTree, solve_cbs
 from agents.mapf.circulation import Circulation

@@ -13,20 +13,18 @@ import numpy as np
 
 from agents.errors import PlanError
 from agents.fleet.planned import PLAN_SECONDS
-from agents.lab.commands.planners.floors import (
-    KIVA,
-    find_floor,
-    find_scenarios,
-    scenario_problem,
-)
 from agents.lab.commands.planners.runs import (
     BOUND,
+    KIVA,
     STEPPERS,
     Attempt,
     CheckedPlanner,
     Unhindered,
     attempt,
+    find_floor,
+    find_scenarios,
     make_stepper,
+    scenario_problem,
 )
 from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table

@@ -14,15 +14,18 @@ import typer
 
 from agents.errors import PlanError
 from agents.fleet.planned import PLAN_SECONDS
-from agents.lab.commands.planners.floors import (
+from agents.lab.commands.planners.runs import (
+    AUTO,
     KIVA,
     SCENARIO,
+    SOLVERS,
     FloorOption,
     find_floor,
+    make_solver,
     random_problem,
     scenario_problem,
+    solve_checked,
 )
-from agents.lab.commands.planners.runs import AUTO, SOLVERS, make_solver, solve_checked
 from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.output import Film

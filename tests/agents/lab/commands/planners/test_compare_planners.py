@@ -10,7 +10,7 @@ from helpers.command_line import Refused, Warehouse, write_mine
 from PIL import Image
 
 from agents.lab.commands.planners.compare_planners import BOUND, run_trial
-from agents.lab.commands.planners.floors import find_floor
+from agents.lab.commands.planners.runs import find_floor
 from agents.lab.trials.figure import curves_figure
 from agents.lab.trials.interval import Interval
 
