@@ -257,13 +257,13 @@ class Store:
             f"(SELECT {PROGRAM} FROM programs WHERE id = program_id) "
             f"FROM {TABLE_OF[kind]} WHERE case_id = ? ORDER BY seed"
         )
-        for *values, program in self.query(statement, case_id):
-            row = kind._make(values)
+        for found in self.query(statement, case_id):
+            row = kind._make(found[:-1])
             if not is_whole(row):
                 raise StoreError(
                     f"{self.path}: the row of case {case_id}, seed {row.seed!r} is damaged"
                 )
-            yield row, program or UNKNOWN
+            yield row, found[-1] or UNKNOWN
 
     def query(self, statement: str, *values: Any) -> Iterator[tuple[Any, ...]]:
         """Yield the rows that a statement selects."""

@@ -363,9 +363,8 @@ class CaseEpisodes:
                 value = measure.value(row)
                 column.append(math.nan if value is None else value)
             self.modes[row.mode] += 1
-            self.shortest[row.mode] = min(
-                self.shortest.get(row.mode, (row.steps, row.seed)), (row.steps, row.seed)
-            )
+            if row.mode not in self.shortest or row.steps < self.shortest[row.mode][0]:
+                self.shortest[row.mode] = row.steps, row.seed
             if isinstance(row, Row):
                 self.ends[row.mode, row.row, row.col] += 1
         self.seeds = np.array(seeds)
