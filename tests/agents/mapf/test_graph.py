@@ -105,7 +105,7 @@ def test_crowds_keep_out_of_cells_that_are_closed_now_and_then(
         np.ones(12, np.intp),
         open_cells[:12],
     )
-    for step in range(32):
+    for step in range(20):
         if step % 4 == 0:
             free = np.setdiff1d(open_cells, cells)
             graph.close(frozenset(stream.permutation(free)[:5].tolist()))

@@ -25,9 +25,9 @@ def test_windowed_steps_are_valid(options: dict[str, float]) -> None:
 
     reached = [
         check_planner(make, problem, 25, seed=number)
-        for number, problem in enumerate(random_problems(12, seed=4, max_robots=20))
+        for number, problem in enumerate(random_problems(8, seed=4, max_robots=16))
     ]
-    assert sum(reached) > 50
+    assert sum(reached) > 25
 
 
 def test_robots_behind_one_that_stays_wait() -> None:
@@ -140,7 +140,7 @@ def delay_of_first_robot(seed: int, robots: int, urgent: list[int]) -> int:
 
 def test_urgent_robots_are_not_delayed_for_others() -> None:
     delays = [
-        sum(delay_of_first_robot(seed, 50, urgent) for seed in range(2, 6)) for urgent in ([], [0])
+        sum(delay_of_first_robot(seed, 50, urgent) for seed in range(2, 4)) for urgent in ([], [0])
     ]
     assert 2 * delays[1] < delays[0]
 

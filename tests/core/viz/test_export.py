@@ -12,8 +12,7 @@ from xml.etree import ElementTree
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from helpers.documents import executable_nodes
-from helpers.pictures import HOSTILE_NAMES, named, pixels, replay_of, short_episode, texts
+from helpers.pictures import named, pixels, replay_of, short_episode, texts
 from helpers.player import said_by
 from helpers.terminal import Terminal
 from PIL import Image, ImageSequence
@@ -24,7 +23,6 @@ from warehouse_core.viz.export import FORMATS, mp4_frames, progress_bar
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.gif_writer import GifWriter, indexed
 from warehouse_core.viz.pixel_box import PixelBox
-from warehouse_core.wording import printable
 
 FRAMES = 7
 SVG = "{http://www.w3.org/2000/svg}"
@@ -237,25 +235,6 @@ def test_a_page_plays_at_the_speed_of_the_replay(tmp_path: Path) -> None:
 def test_a_page_of_frames_without_an_episode_has_a_title(tmp_path: Path) -> None:
     replay_of([["R.P"]]).save(tmp_path / "film.html")
     assert title_of((tmp_path / "film.html").read_text(encoding="utf-8")) == "Warehouse replay"
-
-
-# Names are escaped.
-
-
-@pytest.mark.parametrize("name", HOSTILE_NAMES)
-@pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib warns if a font lacks a character
-def test_names_are_text_in_a_page_and_shapes_in_a_still_svg(
-    films: Path, tmp_path: Path, name: str
-) -> None:
-    replay = replay_of(named(name))
-    for file, still in (("film.html", False), ("still.svg", True)):
-        replay.save(tmp_path / file, still=still)
-        assert executable_nodes(tmp_path / file) == executable_nodes(films / file)
-    text = (tmp_path / "film.html").read_text(encoding="utf-8")
-    [track] = said_by(text)["tracks"]
-    assert track["title"] == title_of(text) == f"{printable(name)} on the grid backend, seed 4"
-    drawing = ElementTree.parse(tmp_path / "still.svg").getroot()
-    assert not [text for text in drawing.itertext() if "alert" in text]
 
 
 # Errors.
