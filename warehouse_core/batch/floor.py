@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -257,6 +257,13 @@ class FleetFloor(BatchFloor):
             self.station_places.reshape(-1), _ROBOT_CODES, _OTHER_CODES, _STATION_CODES,
             CELL_CODES[PERSON], self._is_bare, self._floor_base, self._corner,
         )  # fmt: skip
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a copy, in which views of arrays have become arrays of their own."""
+        self.__dict__.update(state)
+        pickups, dropoffs = self._station_cells
+        self.for_kernels = self.for_kernels._replace(pickups=pickups, dropoffs=dropoffs)
+        self.views = self.views._replace(stations=self.station_places.reshape(-1))
 
     def set_waiting(
         self, floors: Integers | int, cells: Integers, is_waiting: Integers | bool

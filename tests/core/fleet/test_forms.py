@@ -1,7 +1,8 @@
 """Fleets give the same results with NumPy and with the loops that Numba compiles, bit for bit."""
 
+import pickle
 from collections.abc import Callable, Iterator
-from copy import copy
+from copy import copy, deepcopy
 from typing import Any
 
 import numpy as np
@@ -78,6 +79,16 @@ def test_both_forms_give_equal_results(kind: str, monkeypatch: pytest.MonkeyPatc
         each.append(list(results(kind)))
     for step, (arrays, loops) in enumerate(zip(*each, strict=True)):
         assert arrays == loops, step
+
+
+def test_copies_of_a_fleet_go_on_like_it_in_both_forms(form: str) -> None:
+    env, stream = FleetEnv(SHELVES, 4, orders=0.5, people=1), np.random.default_rng(1)
+    env.reset(seed=3)
+    env.step([4] * 4)
+    actions = stream.integers(0, 7, (12, 4))
+    copies = [env, deepcopy(env), pickle.loads(pickle.dumps(env))]
+    found = [[flat(each.step(chosen)[0]) for chosen in actions] for each in copies]
+    assert found[0] == found[1] == found[2]
 
 
 @pytest.mark.parametrize("orders", [None, 0.3])
