@@ -1,7 +1,8 @@
 """Fixtures of the benchmarks: timing of two calls, and tables of the results.
 
 ``pytest tests/benchmarks/bench_fleet.py --measured`` replaces the table of the subject "fleet" in
-``.github/MEASURED.md`` and keeps the tables of other subjects.
+``.github/MEASURED.md`` and keeps the tables of other subjects. With ``-k``, it replaces only the
+rows that are measured.
 """
 
 import re
@@ -23,6 +24,7 @@ HEAD = """# Measured
 Each table is written by the command above it.
 """
 SECTION = re.compile(r"^## (\w+)\n.*?(?=^## |\Z)", flags=re.DOTALL | re.MULTILINE)
+ROW = re.compile(r"^\| (?!measurement|---)(.*?) \| (.*) \|$", flags=re.MULTILINE)
 
 FIGURES: dict[str, dict[str, str]] = {}
 """Results of this run by subject and name; the subject is in the name of the benchmark's file."""
@@ -35,13 +37,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_sessionfinish(session: pytest.Session) -> None:
     if session.config.getoption("--measured"):
         for subject, figures in FIGURES.items():
-            write_table(TABLES, subject, figures)
+            write_table(TABLES, subject, figures, is_whole=not session.config.option.keyword)
 
 
-def write_table(path: Path, subject: str, figures: Mapping[str, str]) -> None:
-    """Write the table of a subject, which replaces its earlier table; subjects are sorted."""
+def write_table(
+    path: Path, subject: str, figures: Mapping[str, str], *, is_whole: bool = True
+) -> None:
+    """Write the table of a subject, or only these rows of it; subjects are sorted."""
     text = path.read_text(encoding="utf-8") if path.exists() else ""
     sections = {found[1]: found[0].rstrip() for found in SECTION.finditer(text)}
+    known = {} if is_whole else dict(ROW.findall(sections.get(subject, "")))
+    figures = known | dict(figures)
     rows = "\n".join(f"| {name} | {figure} |" for name, figure in figures.items())
     command = f"`pytest tests/benchmarks/bench_{subject}.py --measured`"
     head = "| measurement | result |\n| --- | --- |"
