@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.fleets import fleet_episode
-from helpers.pictures import ROOM, count_color, short_episode
+from helpers.pictures import ROOM, count_color, replay_of, short_episode
 from helpers.player import page_in, said_by
 from numpy.typing import NDArray
 from PIL import Image
@@ -63,6 +63,13 @@ def test_the_player_of_a_record_is_a_frame_without_rights() -> None:
     assert said_by(page_in(frame))["tracks"][0]["ending"] == "delivered"
     [track] = said_by(page_in(fleet_episode()._repr_html_()))["tracks"]
     assert (track["isFleet"], track["robots"]) == (True, 4)
+
+
+def test_the_player_of_a_replay_has_its_speed() -> None:
+    replays = (replay_of(short_episode(), speed=speed) for speed in (1, 2))
+    usual, faster = (said_by(page_in(replay._repr_html_())) for replay in replays)
+    assert faster["speed"] == 2 * usual["speed"]
+    assert faster["tracks"] == usual["tracks"]
 
 
 def test_a_player_too_large_for_a_notebook_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
