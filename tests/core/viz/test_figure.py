@@ -236,7 +236,8 @@ def test_letters_are_composed_as_pillow_composes_them(pixels: float) -> None:
     font = font_of("bold", pixels)
     for text in ("step 10 of 200", "AVATAR To. 'Ty, f", "WA-ffi;jg|@"):
         mask, length = font.line(text)
-        assert np.array_equal(mask, font._draw(text))
+        # Where letters touch, Pillow 10 takes the darker one instead of drawing one over the other.
+        assert np.abs(mask.astype(int) - font._draw(text)).max() <= 2
         assert length == font._pillow.getlength(text)
 
 
