@@ -25,7 +25,8 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 Vector: TypeAlias = np.ndarray[tuple[int], np.dtype[Scalar]]
 Matrix: TypeAlias = np.ndarray[tuple[int, int], np.dtype[Scalar]]
-"""Arrays of kernels, contiguous in memory."""
+Block: TypeAlias = np.ndarray[tuple[int, int, int], np.dtype[Scalar]]
+"""Arrays of kernels with one, two and three dimensions, contiguous in memory."""
 
 
 class CompiledKernel:
@@ -70,7 +71,8 @@ def kernel(function: Kernel) -> Kernel:
     """Return a function on arrays and numbers, compiled if Numba is installed.
 
     Its annotations are the types that it is compiled for: ``int``, ``bool``, ``Vector``,
-    ``Matrix``, ``list[int]`` and ``memoryview`` for arrays of 64 and 32 bits, and named tuples.
+    ``Matrix``, ``Block``, ``list[int]`` and ``memoryview`` for arrays of 64 and 32 bits, and named
+    tuples.
     """
     return cast(Kernel, CompiledKernel(function)) if IS_COMPILED else function
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -245,25 +245,18 @@ class FleetFloor(BatchFloor):
             self._ground[corner + chargers] = CELL_CODES[CHARGER]
         self._on_top = self._ground.copy()
         self._covered = self._robot_spots = self._corner_of[:0]
-        pickups, dropoffs = self._station_cells
+        # Kernels get no views of arrays, because a copy of a view does not change with its array.
         self.for_kernels = Ground(
             self._base, self._corner_of, self._spots, self._stations, STATION_NUMBERS, self._sides,
-            self._ground, pickups, dropoffs, np.zeros(len(self._kind), np.int16), has_orders,
+            self._ground, self._station_cells, np.zeros(len(self._kind), np.int16), has_orders,
         )  # fmt: skip
         windows = cast(NDArray[np.uint8], self._windows)  # these floors have no marks
         self.views = Views(
             radius, windows, self._places, self._chargers, np.array(strides).take(self._kind),
             self._on_top, np.zeros(len(layouts.kind) * settings.bodies, np.intp),
-            self.station_places.reshape(-1), _ROBOT_CODES, _OTHER_CODES, _STATION_CODES,
+            self.station_places, _ROBOT_CODES, _OTHER_CODES, _STATION_CODES,
             CELL_CODES[PERSON], self._is_bare, self._floor_base, self._corner,
         )  # fmt: skip
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Restore a copy, in which views of arrays have become arrays of their own."""
-        self.__dict__.update(state)
-        pickups, dropoffs = self._station_cells
-        self.for_kernels = self.for_kernels._replace(pickups=pickups, dropoffs=dropoffs)
-        self.views = self.views._replace(stations=self.station_places.reshape(-1))
 
     def set_waiting(
         self, floors: Integers | int, cells: Integers, is_waiting: Integers | bool

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from warehouse_core.compiled import Matrix, Vector, kernel
+from warehouse_core.compiled import Block, Matrix, Vector, kernel
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, TURN_ACTIONS
 
@@ -34,7 +34,7 @@ class Ground(NamedTuple):
         stations: index into ``STATION_KINDS`` of each code.
         sides: number of each cell's open sides, see ``verdicts.sides_number``.
         codes: code of each spot below robots and people.
-        pickups, dropoffs: ``[N]`` cells of each robot's order, or ``NO_CELL``.
+        ends: ``[2, N]`` cells of the pickup and the dropoff of each robot's order, or ``NO_CELL``.
         under: ``[N]`` index into ``STATION_KINDS`` of each robot's cell; see ``find_stations``.
         has_orders: ``True`` if orders determine the stations.
     """
@@ -46,8 +46,7 @@ class Ground(NamedTuple):
     stations: Vector[np.int16]
     sides: Vector[np.uint8]
     codes: Vector[np.uint8]
-    pickups: Vector[np.intp]
-    dropoffs: Vector[np.intp]
+    ends: Matrix[np.intp]
     under: Vector[np.int16]
     has_orders: bool
 
@@ -76,8 +75,7 @@ class Kinds(NamedTuple):
         by_action: kind of each action.
         by_obstacle: kind of a blocked move for each ``stopped_by``.
         waited, busy, charged, ended: kinds, see ``tally.MOVED``.
-        number: number of kinds.
-        counts: ``[N * number]`` steps of each kind.
+        counts: ``[N, kinds]`` steps of each kind.
         joules: ``[N]`` energy of all motions.
         seconds: ``[B]`` simulated time.
         deliveries: ``[B]`` number of deliveries.
@@ -89,8 +87,7 @@ class Kinds(NamedTuple):
     busy: int
     charged: int
     ended: int
-    number: int
-    counts: Vector[np.int64]
+    counts: Matrix[np.int64]
     joules: Vector[np.float64]
     seconds: Vector[np.float64]
     deliveries: Vector[np.int64]
@@ -140,7 +137,7 @@ class Views(NamedTuple):
         strides: ``[N]`` offset from a spot to the spot below it on each robot's floor.
         on_top: code of each spot.
         covered: spots with robots, and then with people.
-        stations: ``[2 * N * 2]`` row and column of each robot's pickup, and then of its dropoff.
+        stations: ``[2, N, 2]`` row and column of each robot's pickup and dropoff.
         robots, others: codes of the robot itself and of others, without and with an item.
         codes: codes of a pickup and a dropoff.
         person: code of a person.
@@ -155,7 +152,7 @@ class Views(NamedTuple):
     strides: Vector[np.intp]
     on_top: Vector[np.uint8]
     covered: Vector[np.intp]
-    stations: Vector[np.int32]
+    stations: Block[np.int32]
     robots: Vector[np.uint8]
     others: Vector[np.uint8]
     codes: Vector[np.uint8]
@@ -190,8 +187,8 @@ def find_stations(ground: Ground, cells: Vector[np.intp]) -> None:
         return
     for robot in range(len(cells)):
         cell = cells[robot]
-        own = 1 if cell == ground.pickups[robot] else 0
-        own += 2 if cell == ground.dropoffs[robot] else 0
+        own = 1 if cell == ground.ends[0, robot] else 0
+        own += 2 if cell == ground.ends[1, robot] else 0
         spot = corner[robot] + spots[base[robot] + cell]
         ground.under[robot] = own | int(ground.stations[codes[spot]])
 
@@ -263,7 +260,7 @@ def judge_robots(
                 did = kinds.by_obstacle[motions.stopped_by[robot]]
             if has_ended:
                 did = kinds.ended
-            kinds.counts[robot * kinds.number + did] += 1
+            kinds.counts[robot, did] += 1
             kinds.joules[robot] += motions.joules[robot]
             longest = max(longest, motions.seconds[robot])
             events[robot] = event
@@ -348,10 +345,9 @@ def look_around(
                 code, tile = on_top[corner + down * stride + right], tiles[number, place]
                 windows[at, place] = code if code > tile else tile
         for end in range(ends):  # these tiles are below everything on top, but above the floor
-            first = (end * len(base) + robot) * 2
-            down = stations[first] - places[number, 0] + radius
-            right = stations[first + 1] - places[number, 1] + radius
-            if stations[first] >= 0 and 0 <= down < side and 0 <= right < side:
+            down = stations[end, robot, 0] - places[number, 0] + radius
+            right = stations[end, robot, 1] - places[number, 1] + radius
+            if stations[end, robot, 0] >= 0 and 0 <= down < side and 0 <= right < side:
                 code, tile = on_top[corner + down * stride + right], codes[end]
                 windows[at, down * side + right] = code if code > tile else tile
 
@@ -380,7 +376,7 @@ def observe_all(
         seen: ``[M]`` observations, to be filled in.
     """
     look_around(ground, views, cells, rows, seen.local_grid)
-    base, places, stations, half = ground.base, views.places, views.stations, 2 * len(ground.base)
+    base, places, stations = ground.base, views.places, views.stations
     middle = seen.local_grid.shape[1] // 2
     for at in range(len(rows)):
         robot = rows[at]
@@ -392,8 +388,8 @@ def observe_all(
         seen.steps[at, 0] = fleets.steps[robot // fleets.robots]
         for part in range(2):
             seen.robot_pos[at, part] = places[number, part]
-            seen.pickup_pos[at, part] = stations[2 * robot + part]
-            seen.dropoff_pos[at, part] = stations[half + 2 * robot + part]
+            seen.pickup_pos[at, part] = stations[0, robot, part]
+            seen.dropoff_pos[at, part] = stations[1, robot, part]
     for at in range(len(seen.charger_pos)):
         number = base[rows[at]] + cells[rows[at]]
         seen.charger_pos[at, 0] = views.chargers[number, 0]

@@ -97,8 +97,8 @@ class Tally:
         self._seconds = np.zeros(floors)
         self._deliveries = np.zeros(floors, np.int64)
         self.for_kernels = Kinds(
-            self._kinds, self._kinds_by, WAITED, BUSY, CHARGED, ENDED, TURNED + 1,
-            self._counts.reshape(-1), self._joules, self._seconds, self._deliveries,
+            self._kinds, self._kinds_by, WAITED, BUSY, CHARGED, ENDED,
+            self._counts, self._joules, self._seconds, self._deliveries,
         )  # fmt: skip
 
     def clear(self, floors: Integers) -> None:

@@ -89,6 +89,7 @@ def test_copies_of_a_fleet_go_on_like_it_in_both_forms(form: str) -> None:
     copies = [env, deepcopy(env), pickle.loads(pickle.dumps(env))]
     found = [[flat(each.step(chosen)[0]) for chosen in actions] for each in copies]
     assert found[0] == found[1] == found[2]
+    assert copies[0].measures == copies[1].measures == copies[2].measures
 
 
 @pytest.mark.parametrize("orders", [None, 0.3])
