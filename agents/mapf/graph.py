@@ -357,11 +357,11 @@ class Fields:
         """The steps of ``near`` in reverse direction."""
         return self._reverse_of(np.arange(self.graph.size), WAIT)
 
-    def _reverse_of(self, numbers: Integers, ways: int) -> Reverse:
+    def _reverse_of(self, numbers: Integers, moves: int) -> Reverse:
         """Return the steps of ``near`` in reverse, given the numbers of places and of moves."""
-        start, action = np.nonzero(self.near[:, :ways] != self.graph.places)
-        into = numbers[self.near[start, action]] * ways + action
-        behind, price = np.full((2, (numbers.max() + 1) * ways), NONE, np.int32)
+        start, action = np.nonzero(self.near[:, :moves] != self.graph.places)
+        into = numbers[self.near[start, action]] * moves + action
+        behind, price = np.full((2, (numbers.max() + 1) * moves), NONE, np.int32)
         behind[into], price[into] = numbers[start], self.prices[start, action]
         entries, below = np.empty((2, WAIT * (numbers.max() + 1)), np.int32)
         return Reverse(

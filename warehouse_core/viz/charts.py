@@ -125,12 +125,12 @@ class Chart:
 
     def show(self, time: float) -> None:
         """Make the part after a time pale."""
-        end = self.axes.get_xlim()[1]
         column = round(self.axes.transData.transform((time, 0))[0])
         low, high = self.axes.get_ylim()
         if self._shown == (column, low, high):
             return
         self._shown = column, low, high
+        end = self.axes.get_xlim()[1]
         # The layer has two parts, and the second one changes only when the first one has gone.
         edge = math.ceil(time / self._strip) * self._strip
         veil = polygons(

@@ -89,14 +89,13 @@ class LineFont:
     def _compose(self, text: str) -> tuple[Mask, float]:
         """Return the opacity of a line of text, and its length in pixels.
 
-        Pillow draws letters in the same way, one over the other, so the result is the same.
+        Pillow also draws letters one over the other, so the result is the same.
         """
         places: list[int] = []
         length = 0.0
-        for before, letter in pairwise(" " + text):
+        for before, letter in pairwise(["", *text]):
             # Letters move towards each other in pairs such as "AV".
-            kerning = self._length(before + letter) - self._length(before) - self._length(letter)
-            length += kerning * (len(places) > 0)
+            length += self._length(before + letter) - self._length(before) - self._length(letter)
             places.append(round(length))
             length += self._length(letter)
         mask = np.zeros((self._height, math.ceil(length) + 2 * INSET), np.uint16)

@@ -17,7 +17,6 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.path import Path
-from numpy.typing import NDArray
 from PIL import Image
 
 from warehouse_core.render.painter import MAX_TILE_PIXELS, codes_of, paint_once
@@ -52,6 +51,7 @@ from warehouse_core.viz.shapes import (
     CIRCLE,
     DOTS,
     SQUARE,
+    Points,
     Shape,
     Shapes,
     cell_of,
@@ -120,8 +120,6 @@ STAR, DIAMOND, NOSE, ARROW, HEAD = (
 CHASSIS, FRONT, LAMP = (np.array(LOOK["shapes"][key]) for key in ("chassis", "front", "brake"))
 DRIVES = {drive: list(map(np.array, parts)) for drive, parts in LOOK["drives"].items()}
 STAR_RADIUS = float(np.abs(STAR).max())
-
-Points = NDArray[np.float64]
 
 
 class Tiles(Artist):

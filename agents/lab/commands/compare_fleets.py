@@ -71,6 +71,11 @@ A charger supplies the same power in all worlds.
 MAX_SECONDS = 600.0
 """Seconds allowed for each order of a robot after the last due time; longer runs are ended."""
 
+PAGE, DISTURBANCES = ".html", "0.05:60"
+
+FRAME_SECONDS, SPEED, HEIGHT = 0.5, 2.0, 860
+"""Simulated seconds per frame of the replay, its playing speed, and its height in pixels."""
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -274,8 +279,6 @@ def count_hits(steps: Iterable[Sequence[Outcome]]) -> int:
     return len(found)
 
 
-PAGE, DISTURBANCES = ".html", "0.05:60"
-
 SeedScores = Mapping[str, Sequence[Score]]
 """Measures of each run by world; all worlds have the same seeds in the same order."""
 
@@ -292,9 +295,6 @@ MEASURES: dict[str, Value] = {
     "last delivery (s)": lambda score, _: score.makespan,
     "hits": lambda score, _: score.hits,
 }
-
-FRAME_SECONDS, SPEED, HEIGHT = 0.5, 2.0, 860
-"""Simulated seconds per frame of the replay, its playing speed, and its height in pixels."""
 
 
 def compare_fleets(

@@ -62,8 +62,9 @@ class Reverse(NamedTuple):
     Attributes:
         headings: number of places in each cell: 1, or 4 with headings.
         turn: cost of a quarter turn, with headings.
-        behind: ``[places * ways]``, the places from which moves lead to each place, or ``NONE``.
-        price: ``[places * ways]``, costs of these moves.
+        behind: ``[places * moves]``, the places from which moves lead to each place, or ``NONE``.
+            There are four moves to a place without headings, and one with headings.
+        price: ``[places * moves]``, costs of these moves.
         heads: last entry of each bucket, all ``NONE`` between searches. There is one bucket more
             than the highest price, and the buckets are used cyclically.
         entries: ``[places * 4]``, places in buckets.
@@ -102,7 +103,7 @@ def measure(reverse: Reverse, goal: int, field: Table) -> None:
     with the number ``goal`` have the distance 0.
     """
     behind, price, heads = reverse.behind, reverse.price, reverse.heads
-    ways, turns = len(behind) // len(field), reverse.headings > 1
+    moves, turns = len(behind) // len(field), reverse.headings > 1
     for place in range(len(field)):
         field[place] = FAR
     bucket, distance, count = 0, 0, 0
@@ -121,7 +122,7 @@ def measure(reverse: Reverse, goal: int, field: Table) -> None:
         if field[place] != distance:
             continue  # a cheaper path has been found since
         before = count
-        for step in range(place * ways, (place + 1) * ways):
+        for step in range(place * moves, (place + 1) * moves):
             if behind[step] != NONE:
                 count += lower(reverse, field, behind[step], distance, price[step], bucket, count)
         if turns:
