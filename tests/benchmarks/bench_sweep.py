@@ -99,7 +99,7 @@ def a_million(path: Path) -> None:
             cells = stream.integers(1, 6, count).tolist()
             rows = zip(range(count), modes, steps, seconds, cells, strict=True)
             store.add(
-                store.case_id(make_case(each)),
+                store.case_ids([make_case(each)])[0],
                 [Row(n, m, k, 9, 1.0, 3, s, 40 * s, cell, cell) for n, m, k, s, cell in rows],
             )
 

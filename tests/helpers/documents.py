@@ -27,7 +27,7 @@ def write_documents(folder: Path, name: str) -> None:
     with Store(folder / "results.sqlite") as store:
         for agent, layout in product((name, f"{name}2"), repeat=2):
             case = {**make_case({"agent": "astar"}), "agent": agent, "layout": layout}
-            store.add(store.case_id(case), outcomes("dow"))
+            store.add(store.case_ids([case])[0], outcomes("dow"))
         page = make_page(store)
     write_page(folder / "report.html", dataclasses.replace(page, title=name))
     for picture in page.pictures:

@@ -30,7 +30,7 @@ def fill(path: Path, cases: Cases) -> Path:
         for settings, rows in cases:
             # The agent need not exist, because it is not run.
             case = {**make_case({**settings, "agent": "greedy"}), **settings}
-            store.add(store.case_id(case), rows)
+            store.add(store.case_ids([case])[0], rows)
     return path
 
 

@@ -14,17 +14,16 @@ from typing import Any, ClassVar
 
 from agents.errors import StoreError
 from agents.lab.experiments.plan import SweepPlan, make_plan, parse_flags
-from agents.lab.experiments.store import BOTH, TABLE_OF, Store
+from agents.lab.experiments.store import COLUMNS, Store
 from agents.lab.experiments.sweep import SweepRun
 from helpers import executors
 from helpers.command_line import ROOT
 
-TABLES = [
-    f"SELECT settings, {', '.join(kind._fields)} FROM {table} JOIN cases ON id = case_id "
+ROWS = (
+    f"SELECT settings, {', '.join(COLUMNS)} FROM episodes JOIN cases ON id = case_id "
     "ORDER BY settings, seed"
-    for kind, table in TABLE_OF.items()
-]
-"""Queries for the rows of lone robots and of fleets."""
+)
+"""Query for all rows."""
 
 
 class Here(executors.Here):
@@ -59,7 +58,7 @@ def run_missing(
 
 def table(path: Path) -> list[tuple[Any, ...]]:
     with Store(path, read_only=True) as store:
-        return [row for query in TABLES for row in store.query(query)]
+        return list(store.query(ROWS))
 
 
 AGENT = """
@@ -141,7 +140,7 @@ class Sweep:
 
     def _rows(self) -> int:
         with suppress(StoreError), Store(self.output, read_only=True) as store:
-            count: int = next(store.query(f"SELECT count(*) FROM ({BOTH})"))[0]
+            count: int = next(store.query("SELECT count(*) FROM episodes"))[0]
             return count
         return 0
 

@@ -45,10 +45,11 @@ def columns_of(store: Store) -> list[str]:
 
 def lines_of(store: Store, columns: list[str]) -> Iterator[TableLine]:
     """Yield the lines of the table, case by case and seed by seed."""
+    programs = store.programs()
     for case_id, case in store.cases().items():
         settings = {name: _plain(case, name) for name in case}
-        for row, program in store.rows(case_id, row_type(case)):
-            line = settings | row._asdict() | {"program": program}
+        for row in store.rows(case_id, row_type(case)):
+            line = settings | row._asdict() | {"program": programs.get(case_id)}
             if case.get("backend") == GRID:
                 line |= dict.fromkeys(MEASURED)
             yield tuple(map(line.get, columns))

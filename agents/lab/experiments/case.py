@@ -12,15 +12,14 @@ from __future__ import annotations
 
 import json
 import math
-import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, closing, nullcontext
+from contextlib import closing
 from functools import lru_cache
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from agents.errors import AgentError, EpisodeError, EpisodeInterrupted, reason_of
+from agents.errors import AgentError, EpisodeError, reason_of
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, wants_dispatch
 from agents.lab.console.watch import slow_reported
 from agents.lab.parameters import (
@@ -29,7 +28,6 @@ from agents.lab.parameters import (
     PARAMETERS,
     PHYSICAL,
     PLANNER,
-    Number,
     Value,
     checked,
     find,
@@ -39,7 +37,7 @@ from agents.lab.parameters import (
 )
 from agents.lab.place import RANDOM, Stations, check_stations, default_stations, what_to_draw
 from agents.lab.runs.programs import fingerprint, program_for
-from agents.lab.runs.run import Watch, Whereabouts, run
+from agents.lab.runs.run import run
 from agents.lab.trials.rows import AnyRow, FleetRow, Row, row_of
 from agents.lab.trials.workers import line_printer
 from agents.registry import agent_file, agent_module, make_agent, make_fleet_agent, make_team
@@ -54,10 +52,10 @@ from warehouse_core import (
     WarehouseEnv,
     random_layout,
 )
+from warehouse_core.errors import WarehouseError
 from warehouse_core.files.json_text import parse_object
 from warehouse_core.motion.backends import Backend
 from warehouse_core.records.recorder import FleetAgent
-from warehouse_core.world.layout import MAX_CELLS
 from warehouse_core.world.named_layouts import DEFAULT, DEPOT, find_layout
 
 Case = Mapping[str, Any]
@@ -68,22 +66,8 @@ TILES, FINGERPRINT = "tiles", "fingerprint"
 FLEET_DEFAULTS: dict[str, Value] = {"layout": DEPOT, "battery": 400, "max_steps": 1000}
 """Defaults for fleets of parameters that have another default for lone robots."""
 
-IMPLIED = {"stations": str(Stations.DRAWN)}
-"""Values that the text of a case leaves out, because existing files of results leave them out."""
-
-MAX_KEYS = 100
-"""Maximum number of keys in the text of a case."""
-
-MAX_LENGTH = 4 * MAX_CELLS
-"""Maximum length of the text of a case, in bytes.
-
-The longest layout is a single column of ``MAX_CELLS`` cells, in which each cell is a separate row.
-"""
-
 SLOW_SECONDS = 10.0
 """Seconds after which a running episode is reported as slow."""
-
-PHYSICAL_NAME = re.compile(rf"({'|'.join(PHYSICAL)})\.[a-z_]{{1,50}}")
 
 _layout = lru_cache(2)(Layout)
 """``Layout`` with a cache, which is small because a layout may be large."""
@@ -141,26 +125,19 @@ def default_of(name: str, case: Case) -> Value | None:
 
 def key_of(case: Case) -> str:
     """Return the case as text; equal cases have equal texts."""
-    written = {name: value for name, value in case.items() if IMPLIED.get(name) != value}
-    return json.dumps(written, sort_keys=True, separators=(",", ":"))
+    return json.dumps(case, sort_keys=True, separators=(",", ":"))
 
 
 def read_case(written: str) -> Case:
-    """Return the case that ``key_of`` has written as text.
-
-    Its values are checked like the values in a plan. However, its backend need not be installed
-    here, and its agent need not exist.
+    """Return the case that ``key_of`` has written as text; its agent need not exist here.
 
     Raises:
         ValueError: the text is not a valid case.
+        TypeError: its layout is not a list of rows.
     """
-    case = parse_object(written.encode(), MAX_LENGTH)
-    if len(case) > MAX_KEYS:
-        raise ValueError(f"it has {len(case):,} keys; MAX_KEYS = {MAX_KEYS} are allowed")
-    if not is_fleet(case):
-        case = IMPLIED | case
+    case = parse_object(str(written).encode())
     for name, value in case.items():
-        checked(name, value, Number() if PHYSICAL_NAME.fullmatch(name) else CHECKS.get(name))
+        checked(name, value, CHECKS.get(name))
     needed = [name for name, each in PARAMETERS.items() if each.applies(case)]
     needed += [] if case.get("layout") == RANDOM else [TILES]
     if missing := [name for name in needed if name not in case]:
@@ -168,21 +145,8 @@ def read_case(written: str) -> Case:
     return case
 
 
-def _tiles(value: Any) -> str:
-    try:
-        return str(_layout(tuple(value)))
-    except TypeError as error:
-        raise ValueError("a list of rows") from error
-
-
-def _digest(value: Any) -> str:
-    if not isinstance(value, str) or not re.fullmatch("[0-9a-f]{64}", value):
-        raise ValueError("64 hexadecimal digits")
-    return value
-
-
 CHECKS: dict[str, Callable[[Any], Value]] = {
-    TILES: _tiles, FINGERPRINT: _digest, "backend": text,
+    TILES: lambda rows: str(_layout(tuple(rows))), FINGERPRINT: text, "backend": text,
 }  # fmt: skip
 """Checks of keys that are not parameters, and of the backend, which need not be installed."""
 
@@ -294,16 +258,19 @@ def _some(chargers: Sequence[Cell], count: int) -> list[Cell]:
 
 
 def _backend(case: Case) -> Backend:
-    groups: dict[str, dict[str, Any]] = {group: {} for group in PHYSICAL}
-    for name, value in case.items():
-        group, dot, field = name.partition(".")
-        if dot:
-            groups[group][field] = value
-    if not any(groups.values()):
+    given: dict[str, dict[str, Any]] = {
+        group: {
+            name.removeprefix(f"{group}."): value
+            for name, value in case.items()
+            if name.startswith(f"{group}.")
+        }
+        for group in PHYSICAL
+    }
+    if not any(given.values()):
         return str(case["backend"])
     from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 
-    return RigidBodyMotion(RobotSpec(**groups["robot"]), Disturbances(**groups["disturbances"]))
+    return RigidBodyMotion(RobotSpec(**given["robot"]), Disturbances(**given["disturbances"]))
 
 
 class Done(NamedTuple):
@@ -334,70 +301,51 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
         check_fingerprint(case)
     except EpisodeError as error:
         return Done(perf_counter() - start, rows, program, str(error))
-    file, print_line = agent_file(director_of(case)), line_printer()
-    nowhere: Whereabouts = str  # str() is ""
-    seed, place = seeds[0], nowhere
-
-    def current() -> str:
-        return about(case, seed, place())
+    file, seed, print_line = agent_file(director_of(case)), seeds[0], line_printer()
 
     def report_slow(seconds: float, line: str) -> None:
-        print_line(f"{current()} has run for {seconds:g} s{line}")
-
-    def watch(begun: Whereabouts) -> AbstractContextManager[None]:
-        nonlocal place
-        place = begun
-        return nullcontext()
+        print_line(f"{about(case, seed)} has run for {seconds:g} s{line}")
 
     try:
         with slow_reported(lambda: seed, SLOW_SECONDS, file, report_slow):
             for seed in seeds:
-                place = nowhere
-                rows.append(row_of(run_one(case, seed, watch)))
-    # A user's agent may raise anything, even SystemExit.
-    except BaseException as error:
-        cause = cause_of(error)
-        is_clear = isinstance(cause, AgentError)  # its message is enough
-        failure = f"{current()}: {cause if is_clear else reason_of(cause, file)}"
+                rows.append(row_of(run_one(case, seed)))
+    except BaseException as error:  # a user's agent may raise anything, even SystemExit
+        failure = f"{about(case, seed)}: {failure_of(error, case).removeprefix(f'seed {seed}, ')}"
     return Done(perf_counter() - start, rows, program, failure)
 
 
-def about(case: Case, seed: int, place: str = "") -> str:
-    """Return an episode in words: its seed, a place in it, and the values that are not defaults."""
-    return f"seed {seed}{place and f', {place},'} with {in_words(case)}"
+def about(case: Case, seed: int) -> str:
+    """Return an episode in words: its seed, and the values that are not defaults."""
+    return f"seed {seed} with {in_words(case)}"
 
 
-def run_one(case: Case, seed: int, watch: Watch = nullcontext) -> Episode:
+def failure_of(error: BaseException, case: Case) -> str:
+    """Return why an episode failed: a message of this program, or an error of the agent."""
+    if isinstance(error, WarehouseError):
+        return str(error)
+    return reason_of(error, agent_file(director_of(case)))
+
+
+def run_one(case: Case, seed: int) -> Episode:
     """Run one episode of a case and return its record; errors are the errors of ``run``."""
     layout = layout_for(case, seed)
     agent: Any = make_agent_for(case, seed, layout)
     made: Any = make_env(case, layout, dispatch=is_fleet(case) and wants_dispatch(agent))
     with closing(made) as env:
         name, randomize = director_of(case), randomize_for(case)
-        episode: Episode = run(env, agent, seed, watch, name=name, randomize=randomize)
+        episode: Episode = run(env, agent, seed, name=name, randomize=randomize)
         return episode
-
-
-def cause_of(error: BaseException) -> BaseException:
-    """Return the exception that an agent raised, without the wrapper that ``run`` added."""
-    if isinstance(error, EpisodeError | EpisodeInterrupted) and error.episode is not None:
-        return error.__cause__ or error
-    return error
 
 
 def check_fingerprint(case: Case) -> None:
     """Raise ``EpisodeError`` if the code of a case's agent has changed since the case was made."""
-    if FINGERPRINT not in case:
-        return
+    name = director_of(case)
     try:
-        is_same = agent_fingerprint(case) == case[FINGERPRINT]
-    except AgentError as error:
-        raise EpisodeError(str(error)) from error
-    except OSError as error:
-        raise EpisodeError(f"the file of agent {director_of(case)!r}: {error.strerror}") from error
+        is_same = agent_fingerprint(case) == case.get(FINGERPRINT)
+    except (AgentError, OSError) as error:
+        raise EpisodeError(f"the code of agent {name!r} cannot be read: {error}") from error
     if not is_same:
-        name = director_of(case)
-        what = "module" if agent_file(name) is None else "file"
         raise EpisodeError(
-            f"the {what} of agent {name!r}, or what it imports, has changed since the sweep began"
+            f"the code of agent {name!r}, or what it imports, has changed since the sweep began"
         )

@@ -46,9 +46,6 @@ from warehouse_core.wording import counted
 
 TASK_SECONDS, MAX_TASK_EPISODES = 0.5, 10_000
 
-SEEDS_AT_ONCE = 100_000
-"""Number of seeds that are looked up in the store at once."""
-
 TASKS_PER_WORKER = 2
 """Number of submitted tasks per worker, so that no worker has to wait for its next task."""
 
@@ -79,12 +76,20 @@ class SweepRun:
     """The run of the missing episodes of a plan.
 
     Attributes:
+        done: number of episodes of the plan that were stored before the run.
         failed: number of failures of each case, by its number.
     """
 
     def __init__(self, plan: SweepPlan, store: Store) -> None:
         self.failed, self._task_episodes, self._store = Counter[int](), 1, store
-        self._missing, self._again = self._missing_tasks(plan), list[WorkerTask]()
+        cases = zip(store.case_ids(plan.cases), plan.cases, strict=True)
+        self._cases, self._seeds = dict(cases), plan.seeds
+        self.done = self.count()
+        self._missing, self._again = self._missing_tasks(), list[WorkerTask]()
+
+    def count(self) -> int:
+        """Return the number of stored episodes of the plan."""
+        return sum(len(self._store.seeds_done(each, self._seeds)) for each in self._cases)
 
     def episodes(self, executor: Executor, workers: int) -> Iterator[tuple[list[AnyRow], str]]:
         """Run the episodes, and yield new rows in the store and the message of a failure, if any.
@@ -98,70 +103,46 @@ class SweepRun:
                 running[executor.submit(run_task, task.case, task.seeds)] = task
             if not running:
                 return
-            done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
+            finished, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
             yield [], ""
-            # Tasks without an outcome come last, because they may end the run.
-            for future in sorted(done, key=lambda each: each.cancelled() or bool(each.exception())):
-                task = running.pop(future)
-                try:
-                    outcome = future.result()
-                except WorkerError as ending:
-                    yield [], self._ended(task, str(ending))
-                else:
-                    self._store.add(task.case_id, outcome.rows, outcome.program)
-                    yield outcome.rows, self._done(task, outcome)
+            for future in finished:
+                yield self._finish(running.pop(future), future)
 
-    def _take(self) -> WorkerTask | None:
-        """Return the next task, or ``None`` if no task is left."""
-        while self._again:
-            if self._is_wanted(task := self._again.pop()):
-                return task
-        return next(self._missing, None)
-
-    def _done(self, task: WorkerTask, outcome: Done) -> str:
-        """Record that a task has finished, and return the failure, if it is one."""
-        if outcome.failure is None:
-            self._task_episodes = paced(len(task.seeds), outcome.seconds)
-            return ""
-        if rest := task.seeds[len(outcome.rows) + 1 :]:
-            self._again.append(task._replace(seeds=rest))
-        return self._failed(task, outcome.failure)
-
-    def _ended(self, task: WorkerTask, ending: str) -> str:
-        """Record that the worker of a task has ended, and return the failure, if it is one."""
-        if not task.is_retry:
-            self._again += [task._replace(seeds=[seed], is_retry=True) for seed in task.seeds]
-            return ""
-        return self._failed(
-            task, f"{about(task.case, task.seeds[0])}: {ending}; it was tried twice"
-        )
-
-    def _failed(self, task: WorkerTask, message: str) -> str:
-        self.failed[task.case_id] += 1
-        if not self._is_wanted(task):
-            message += f"; its other seeds are skipped after MAX_FAILURES = {MAX_FAILURES}"
-        return message
-
-    def _missing_tasks(self, plan: SweepPlan) -> Iterator[WorkerTask]:
-        """Yield the missing episodes in tasks of the current size, skipping cases that fail."""
-        for case in plan.cases:
-            case_id = self._store.case_id(case)
-            seeds = _missing_seeds(self._store, case_id, plan.seeds)
-            while self.failed[case_id] < MAX_FAILURES:
-                if not (some := list(islice(seeds, self._task_episodes))):
-                    break
+    def _missing_tasks(self) -> Iterator[WorkerTask]:
+        """Yield the missing episodes in tasks of the current size."""
+        for case_id, case in self._cases.items():
+            done = self._store.seeds_done(case_id, self._seeds)
+            seeds = (seed for seed in self._seeds if seed not in done)
+            while some := list(islice(seeds, self._task_episodes)):
                 yield WorkerTask(case_id, case, some)
 
-    def _is_wanted(self, task: WorkerTask) -> bool:
-        return self.failed[task.case_id] < MAX_FAILURES
+    def _take(self) -> WorkerTask | None:
+        """Return the next task of a case that is still wanted, or ``None`` if no task is left."""
+        while task := self._again.pop() if self._again else next(self._missing, None):
+            if self.failed[task.case_id] < MAX_FAILURES:
+                return task
+        return None
 
-
-def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
-    """Yield the seeds that are not in the store, looking them up in parts to save memory."""
-    for start in range(0, len(seeds), SEEDS_AT_ONCE):
-        some = seeds[start : start + SEEDS_AT_ONCE]
-        done = store.seeds_done(case_id, some)
-        yield from (seed for seed in some if seed not in done)
+    def _finish(self, task: WorkerTask, future: Future[Done]) -> tuple[list[AnyRow], str]:
+        """Store the rows of a task, and return them and its failure, if it is one."""
+        try:
+            done = future.result()
+        except WorkerError as ending:
+            if not task.is_retry:
+                self._again += [task._replace(seeds=[seed], is_retry=True) for seed in task.seeds]
+                return [], ""
+            done = Done(0.0, [], "", f"{about(task.case, task.seeds[0])}: {ending}, twice")
+        self._store.add(task.case_id, done.rows, done.program)
+        if done.failure is None:
+            self._task_episodes = paced(len(task.seeds), done.seconds)
+            return done.rows, ""
+        if rest := task.seeds[len(done.rows) + 1 :]:
+            self._again.append(task._replace(seeds=rest))
+        self.failed[task.case_id] += 1
+        if self.failed[task.case_id] < MAX_FAILURES:
+            return done.rows, done.failure
+        skipped = f"its other seeds are skipped after MAX_FAILURES = {MAX_FAILURES}"
+        return done.rows, f"{done.failure}; {skipped}"
 
 
 PRESETS = {
@@ -244,32 +225,29 @@ def sweep(
     first = (given.seed or 0) if seed is None else seed
     plan = make_plan(choices, episodes or given.episodes or EPISODES, first)
     with deferred_interrupts() as check, Store(output) as store:
-        store.add_cases(plan.cases)
-        done = _done(plan, store)
+        run = SweepRun(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
-        say(f"{cases}, {each} each, {done:,} done")
-        missing, run = plan.total - done, SweepRun(plan, store)
-        count = min(jobs or os.cpu_count() or 1, missing)
+        say(f"{cases}, {each} each, {run.done:,} done")
+        missing = plan.total - run.done
+        workers = min(jobs or os.cpu_count() or 1, missing)
         try:
             if missing:
-                with Processes(count) as pool:
-                    show_progress(run.episodes(pool, count), missing, check)
+                with Processes(workers) as pool:
+                    show_progress(run.episodes(pool, workers), missing, check)
         except KeyboardInterrupt:
-            done = _done(plan, store)
-            say(
-                f"{output} now has {done:,} of {plan.total:,} episodes; run the same command again "
-                "to resume"
-            )
+            say(f"{_now(output, run, plan)}; run the same command again to resume")
             raise typer.Abort from None  # typer would end without a message
         if run.failed:
             failed = f"{counted(run.failed.total(), 'episode')} failed"
             raise EpisodeError(
-                f"{failed} (in {len(run.failed)} of {cases}); "
-                f"{output} now has {_done(plan, store):,} of {plan.total:,} episodes; run the same "
-                "command again to run the missing ones"
+                f"{failed} (in {len(run.failed)} of {cases}); {_now(output, run, plan)}; run the "
+                "same command again to run the missing ones"
             )
-    episodes_done = f"{counted(plan.total, 'episode')} done"
-    say(f"{episodes_done}; see the results with: warehouse report {output}")
+    say(f"{counted(plan.total, 'episode')} done; see the results with: warehouse report {output}")
+
+
+def _now(output: Path, run: SweepRun, plan: SweepPlan) -> str:
+    return f"{output} now has {run.count():,} of {plan.total:,} episodes"
 
 
 def show_progress(
@@ -299,8 +277,3 @@ def _given(file: Path | None, preset: str | None) -> PlanFile:
             raise ParameterError(f"no preset is called {preset!r}; allowed: {', '.join(PRESETS)}")
         file = PRESETS[preset]
     return PlanFile({}) if file is None else read_plan_file(file)
-
-
-def _done(plan: SweepPlan, store: Store) -> int:
-    """Return the number of stored episodes of a plan."""
-    return sum(store.count(case, plan.seeds) for case in plan.cases)

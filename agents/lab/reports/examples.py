@@ -4,21 +4,16 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.errors import AgentError, EpisodeError, reason_of
-from agents.lab.experiments.case import Case, cause_of, cells_of, check_fingerprint, run_one
+from agents.lab.experiments.case import Case, cells_of, check_fingerprint, failure_of, run_one
 from agents.lab.reports.figures import MAX_CELLS
 from agents.lab.reports.results import Experiment
-from agents.registry import agent_file, is_own_code
-from warehouse_core import BackendError, LayoutError
+from agents.registry import is_own_code
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
 
 MAX_STEPS, MAX_PHYSICS_STEPS = 10_000, 1_000
 """Maximum length of an episode that is run again, on the grid and with physics."""
-
-CLEAR_ERRORS = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
-"""Errors whose message is enough; for other errors the class and the place are shown too."""
 
 
 class Example(NamedTuple):
@@ -75,10 +70,7 @@ def replay(found: Example, *, run_own_code: bool) -> Example:
         check_fingerprint(case)
         episode = run_one(case, found.seed)
     except (Exception, SystemExit) as error:
-        cause = cause_of(error)
-        is_clear = isinstance(cause, CLEAR_ERRORS)
-        words = str(cause) if is_clear else reason_of(cause, agent_file(found.case["agent"]))
-        why = " ".join(words.split()).rstrip(".")
+        why = " ".join(failure_of(error, case).split()).rstrip(".")
         return found._replace(sentence=f"It cannot be run again: {why}.")
     diagnosis = diagnose(episode)
     if (diagnosis.mode, episode.steps) != (found.mode, found.steps):

@@ -10,7 +10,8 @@ from __future__ import annotations
 import platform
 import re
 from base64 import b64encode
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -105,9 +106,19 @@ def make_page(store: Store, replays: bool | None = False) -> Page:
         made_with=(
             ("Python", platform.python_version()),
             *((name, version(name)) for name in MADE_WITH),
-            *((counted(number, "episode"), name) for name, number in store.episodes()),
+            *_programs(store, parts),
         ),
     )
+
+
+def _programs(store: Store, parts: Iterable[Experiment]) -> Iterator[tuple[str, str]]:
+    """Yield the number of episodes of each program and its name, most episodes first."""
+    names, counts = store.programs(), Counter[str]()
+    for part in parts:
+        for case_id in part.cases:
+            counts[names[case_id]] += part.results(case_id).episodes
+    for name, count in counts.most_common():
+        yield counted(count, "episode"), name
 
 
 def _summary(experiment: Experiment) -> str:

@@ -433,7 +433,7 @@ class Experiment:
         self.unbegun = 0
         for number, case in store.cases().items():
             if row_type(case) is kind.row:
-                found = CaseEpisodes(kind, (row for row, _ in store.rows(number, kind.row)))
+                found = CaseEpisodes(kind, store.rows(number, kind.row))
                 if found.modes:
                     self.cases[number], self.episodes[number] = case, found
                 else:

@@ -31,7 +31,7 @@ def stored(path: Path, *cases: Any) -> Path:
     with Store(path) as store:
         for case in cases:
             rows = [row(3), row(1, "unreachable", None), row(2**62)]
-            store.add(store.case_id(case), rows, "warehouse-lab 1")
+            store.add(store.case_ids([case])[0], rows, "warehouse-lab 1")
     return path
 
 
@@ -47,7 +47,7 @@ def table_of(results: Path) -> list[dict[str, Any]]:
 
 
 def read_csv(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
+    with path.open(encoding="utf-8-sig", newline="") as file:
         return list(csv.DictReader(file))
 
 
@@ -124,7 +124,7 @@ def test_a_damaged_result_is_a_one_line_error(
 def test_lone_robots_and_fleets_share_a_table(tmp_path: Path) -> None:
     path = stored(tmp_path / "r.sqlite", make_case({}))
     with Store(path) as store:
-        store.add(store.case_id(make_case({"robots": 2})), [fleet_row(4, on_time=None)], "p")
+        store.add(store.case_ids([make_case({"robots": 2})])[0], [fleet_row(4, on_time=None)], "p")
     *_, alone, fleet = table_of(path)
     assert (fleet["robots"], fleet["seed"], fleet["per_hour"]) == (2, 4, 180.0)
     assert fleet["on_time"] is fleet["reward"] is fleet["stations"] is None

@@ -19,7 +19,6 @@ from agents.lab.experiments.case import (
     run_one,
 )
 from agents.lab.experiments.plan import make_plan
-from agents.lab.experiments.store import Store
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, LayoutError, OrderStream
 from warehouse_core.fleet import Battery
@@ -161,15 +160,6 @@ def test_each_episode_keeps_the_stations_or_draws_them(layout: str, stations: st
         assert episode == again
     starts = {run_one(case, seed).cells[0] for seed in range(9)}
     assert len(starts) > 1
-
-
-def test_a_case_of_version_0_1_0_has_drawn_stations_and_is_resumed() -> None:
-    case = make_case({})
-    with Store("r.sqlite") as store:
-        older = {name: value for name, value in case.items() if name != "stations"}
-        number = store.case_id(older)
-        assert store.case_id(case) == number
-        assert store.cases() == {number: case}
 
 
 def test_a_setting_of_fleets_makes_it_a_fleet_with_the_defaults_of_fleets() -> None:

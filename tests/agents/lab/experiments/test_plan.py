@@ -18,7 +18,7 @@ from agents.lab.experiments.plan import (
     read_plan_file,
 )
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.sweep import PRESETS
+from agents.lab.experiments.sweep import PRESETS, SweepRun
 from agents.lab.parameters import PARAMETERS
 
 
@@ -42,7 +42,7 @@ INVALID: dict[str, tuple[str | bytes, str]] = {
             f"{name} = {{from = 1, to = 1000, step = 1}}\n"
             for name in ("max_steps", "memory", "view_radius")
         ),
-        "max_steps",
+        "combinations",
     ),
     "a setting twice": ("[settings]\n'robot.mass' = 3\n[robot]\nmass = 4", "robot.mass"),
     "a negative seed": ("seed = -1", "seed"),
@@ -100,7 +100,7 @@ def test_a_plan_has_at_most_max_cases(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("agents.lab.experiments.plan.MAX_CASES", 6)
     limits = {"from": 1, "to": 6, "step": 1}
     assert make_plan({"battery": limits}, 1, 0).total == 6
-    with pytest.raises(ParameterError, match="battery has 7 values"):
+    with pytest.raises(ParameterError, match="at most MAX_CASES = 6 values"):
         make_plan({"battery": limits | {"to": 7}}, 1, 0)
 
 
@@ -123,4 +123,4 @@ def test_a_preset_varies_a_parameter_with_a_question_and_can_be_run(
     assert all(PARAMETERS[each].question.endswith("?") for each in varied)
     with Store(tmp_path / "r.sqlite") as store:
         run_missing(plan, store, Here())
-        assert [store.count(case, plan.seeds) for case in plan.cases] == [1] * len(plan.cases)
+        assert SweepRun(plan, store).done == plan.total

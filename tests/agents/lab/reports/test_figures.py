@@ -211,7 +211,7 @@ def store(tmp_path: Path) -> Iterator[Store]:
 
 
 def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:
-    first, second, other = (store.case_id(make_case({"memory": m})) for m in (1, 2, 3))
+    first, second, other = store.case_ids([make_case({"memory": m}) for m in (1, 2, 3)])
     cells = {"wandering": [(1, 2), (1, 2), (3, 3)], "unreachable": [(1, 1)], "delivered": [(2, 2)]}
     rows = [
         row(0, mode, row=cell[0], col=cell[1]) for mode, found in cells.items() for cell in found
