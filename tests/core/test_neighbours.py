@@ -44,7 +44,6 @@ def test_no_agents_at_all_are_fine(monkeypatch: pytest.MonkeyPatch) -> None:
 
 COMMANDS = (
     "run --seed 1 --save x.html",
-    "sweep --preset escape -n 1 -j 1",
     "grade greedy --rubric rubric.toml",
 )
 RUBRIC = """
@@ -90,7 +89,6 @@ for words in {COMMANDS}:
 """
     result = run("-c", program, folder=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert "5 combinations, 1 episode each, 0 done" in result.stdout
     assert "of 10 points" in result.stdout
     assert "Traceback" not in result.stderr  # slow machines report progress there
     assert (tmp_path / "x.html").stat().st_size > 10_000

@@ -14,7 +14,6 @@ FORGET = "[sys.modules.pop(name) for name in [*sys.modules] if name.split('.')[0
 
 ORDERS = {
     "Gymnasium first": "import gymnasium, warehouse_core",
-    "Gymnasium last": "import warehouse_core, gymnasium",
     "looked up": (
         "import warehouse_core; from importlib.util import find_spec; find_spec('gymnasium');"
         "find_spec('gymnasium.envs'); import gymnasium; find_spec('gymnasium')"
@@ -22,15 +21,10 @@ ORDERS = {
     "Gymnasium imported again": (
         f"import warehouse_core, gymnasium; {FORGET.format('gymnasium')}; import gymnasium"
     ),
-    "the core imported again later": (
-        f"import warehouse_core, gymnasium; {FORGET.format('warehouse_core')}; "
-        "import warehouse_core"
-    ),
     "the core reloaded": (
         "import warehouse_core, importlib; importlib.reload(warehouse_core.registration);"
         "import gymnasium; importlib.reload(warehouse_core.registration)"
     ),
-    "the adaptor only": "import warehouse_core.gymnasium_env, gymnasium",
     "a lazy loader": (
         "import warehouse_core, importlib.util as util; spec = util.find_spec('gymnasium');"
         "spec.loader = util.LazyLoader(spec.loader); gymnasium = util.module_from_spec(spec);"

@@ -50,11 +50,9 @@ def made(**settings: Any) -> Any:
 
 
 OWN: dict[str, Callable[[], Any]] = {
-    "alone": lambda: WarehouseEnv(backend="physics"),
-    "alone, disturbed": lambda: WarehouseEnv(backend=moving()),
+    "alone": lambda: WarehouseEnv(backend=moving()),
     "fleet": lambda: FleetEnv(robots=3, people=1, backend=moving(), orders=0.2),
-    "driving": lambda: FleetEnv(robots=3, people=1, backend="driving", orders=0.2),
-    "driving, disturbed": lambda: FleetEnv(robots=3, people=1, backend=driving()),
+    "driving": lambda: FleetEnv(robots=3, people=1, backend=driving(), orders=0.2),
     "gymnasium": lambda: WarehouseGymnasiumEnv(backend=moving(), scan=4),
     "gymnasium, vectors": lambda: WarehouseGymnasiumEnv(backend="physics", observation="vector"),
     "pettingzoo": lambda: parallel_env(robots=3, backend=moving()),
@@ -69,7 +67,7 @@ WRAPPED: dict[str, Callable[[], Any]] = {
 
 @pytest.mark.parametrize(
     ("form", "clone"),
-    [*product((OWN | WRAPPED), [copy.deepcopy]), *product(["driving, disturbed"], CLONES[::2])],
+    [*product((OWN | WRAPPED), [copy.deepcopy]), *product(["driving"], CLONES[::2])],
 )
 def test_a_copy_goes_on_like_its_original(form: str, clone: Clone) -> None:
     env, draws = (OWN | WRAPPED)[form](), random.Random(1)

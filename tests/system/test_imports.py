@@ -168,8 +168,12 @@ MODULES = {module_of(path): path for path in FILES}
 def nodes_of(path: Path) -> list[ast.AST]:
     """Return the definitions and imports of a file, inside functions too."""
     kinds = (ast.Import, ast.ImportFrom, ast.ClassDef, ast.FunctionDef)
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    return [node for node in ast.walk(tree) if isinstance(node, kinds)]
+    statements: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
+    for node in statements:
+        for block in ("body", "orelse", "handlers", "finalbody", "cases"):
+            inner = getattr(node, block, [])
+            statements += inner if isinstance(inner, list) else []
+    return [node for node in statements if isinstance(node, kinds)]
 
 
 def imported_by(path: Path) -> Iterator[str]:

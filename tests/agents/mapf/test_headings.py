@@ -21,7 +21,7 @@ Make = Callable[[Graph], PlacePlanner]
 WINDOWS = [partial(WindowedPlanner, window=8, groups=groups) for groups in (0, 12)]
 
 
-@pytest.mark.parametrize(("make", "robots"), [*zip(WINDOWS, (50, 12), strict=True)])
+@pytest.mark.parametrize(("make", "robots"), [*zip(WINDOWS, (30, 12), strict=True)])
 def test_steps_of_robots_with_headings_follow_the_rules(make: Make, robots: int) -> None:
     assert check_headed_planner(make, random_layout(14, 14, 0.2, seed=2), robots) > robots / 3
 

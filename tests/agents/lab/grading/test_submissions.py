@@ -44,7 +44,7 @@ cases = ["chapter", "loops"]
 full = 0.01
 """
 
-SLOWEST = ("ours", "sleeps", "leaves_a_daemon", "prints_much", "answers_much")
+SLOWEST = ("sleeps", "leaves_a_daemon", "prints_much", "answers_much")
 """Agents similar to others, which default tests skip because together they take long."""
 
 HIDDEN = re.sub(
