@@ -29,7 +29,7 @@ def write_documents(folder: Path, name: str) -> None:
             case = {**make_case({"agent": "astar"}), "agent": agent, "layout": layout}
             store.add(store.case_ids([case])[0], outcomes("dow"))
         page = make_page(store)
-    write_page(folder / "report.html", dataclasses.replace(page, title=name))
+    write_page(folder / "report.html", page._replace(title=name))
     for picture in page.pictures:
         (folder / f"{picture.name}.svg").write_bytes(picture.svg)
     episode = named(name)

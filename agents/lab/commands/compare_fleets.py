@@ -445,6 +445,6 @@ def write_page(path: Path, table: TextTable, records: Mapping[str, FleetEpisode]
     rows = [tuple(cell.replace("\n", " ") for cell in row) for row in table.rows]
     replay = player_frame(tracks, title=title, speed=SPEED, height=HEIGHT)
     write_template(
-        path, "backends.html", title, has_players=True,
-        summary=table.title, table=table._replace(rows=rows), replay=Markup(replay),
+        path, "table.html", title, has_players=True, summary=[f"{table.title}."],
+        label="Measures of all worlds", table=table._replace(rows=rows), replay=Markup(replay),
     )  # fmt: skip

@@ -11,7 +11,6 @@ digest of its agent's code, so that changed code makes a different case.
 from __future__ import annotations
 
 import json
-import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
@@ -181,13 +180,6 @@ def director_of(case: Case) -> str:
 def layout_of(case: Case) -> Layout:
     """Return the layout of a case that has tiles."""
     return _layout(tuple(case[TILES]))
-
-
-def cells_of(case: Case) -> int:
-    """Return the number of cells in each layout of a case."""
-    if TILES in case:
-        return len(case[TILES]) * len(case[TILES][0])
-    return math.prod(pair_of(case["size"]))
 
 
 def layout_for(case: Case, seed: int) -> Layout:

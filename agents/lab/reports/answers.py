@@ -60,79 +60,66 @@ class ComparedValues:
     """The values of a factor in a series of cases.
 
     Attributes:
-        where: Other settings of the series in words, to begin a sentence.
-        values: Values in their order.
-        is_trend: True if the order of the values is to be described, instead of the best value.
-        ranked: Values with the best one first, or the hardest for layouts.
+        verdict: Sentence that names the best value, or says that no difference was found.
+        named: Values to describe: ends and peak of a trend, or the top of a ranking.
         pair: Last and first value of a trend, or else the best and the second best.
     """
 
     def __init__(self, experiment: Experiment, factor: Factor, series: CaseSeries) -> None:
-        others = described(series.others)
         self.experiment, self.factor = experiment, factor
-        self.where = f"with {others}, " if others else ""
-        self.values = [
+        values = [
             FactorValue(f"{factor.name} {shown(value)}", experiment.results(case_id))
             for value, case_id in series.cases.items()
         ]
-        self.is_trend = factor.is_ordered and len(self.values) > 2
-        self.ranked = sorted(
-            self.values,
+        self._is_trend = factor.is_ordered and len(values) > 2
+        ranked = sorted(
+            values,
             key=lambda each: each.results.main.estimate,
             reverse=factor.name != HARDEST_FIRST,
         )
-        self.pair = self.ranked[:2]
-        if self.is_trend:
-            self.pair = [self.values[-1], self.values[0]]
+        first, best, last = values[0], ranked[0], values[-1]
+        is_peak = self._is_trend and all(
+            end is not best and self._difference(best, end).low > 0 for end in (first, last)
+        )
+        if self._is_trend:
+            self.pair, self.named = (last, first), [first, *([best] if is_peak else []), last]
+        else:
+            self.pair, self.named = (ranked[0], ranked[1]), ranked[:MAX_NAMED]
+        where = described(series.others)
+        said = self._peak(best, first, last) if is_peak else self._of_pair(*self.pair)
+        self.verdict = f"with {where}, {said}" if where else said
 
-    @property
-    def peak(self) -> FactorValue | None:
-        """Best value if it is inside a trend and better than both ends."""
-        best, ends = self.ranked[0], (self.values[0], self.values[-1])
-        if not self.is_trend or best in ends:
-            return None
-        return best if all(self.difference(best, end).low > 0 for end in ends) else None
-
-    @property
-    def named(self) -> list[FactorValue]:
-        """Values to describe: ends and peak of a trend, or the top of a ranking."""
-        if not self.is_trend:
-            return self.ranked[:MAX_NAMED]
-        return [each for each in (self.values[0], self.peak, self.values[-1]) if each]
-
-    def difference(self, one: FactorValue, other: FactorValue) -> Interval:
+    def _difference(self, one: FactorValue, other: FactorValue) -> Interval:
         """Return how much better a value is, compared by seed if equal seeds are equal tasks."""
         measure, found = self.experiment.kind.measures[0], None
         if self.factor.name not in OTHER_TASKS:
             found = self.experiment.paired(measure, *one.results.case_ids, *other.results.case_ids)
         return found or difference_interval(one.results.main, other.results.main)
 
-    @property
-    def verdict(self) -> str:
-        """Sentence that names the best value, or says that no difference was found."""
+    def _peak(self, best: FactorValue, first: FactorValue, last: FactorValue) -> str:
+        """Return the verdict on a trend whose best value is better than both ends."""
         measure = self.experiment.kind.measures[0]
-        subject = measure.title.lower()
-        if peak := self.peak:
-            parts = [
-                f"{measure.change(self.difference(peak, end))} than{end.which}"
-                for end in (self.values[0], self.values[-1])
-            ]
-            verdict = f"{subject} is highest{peak.which}: {peak.short}, {' and '.join(parts)}"
-            return self.where + verdict
-        first, second = self.pair
-        found = self.difference(first, second)
+        one, other = (
+            f"{measure.change(self._difference(best, end))} than{end.which}"
+            for end in (first, last)
+        )
+        return f"{measure.title.lower()} is highest{best.which}: {best.short}, {one} and {other}"
+
+    def _of_pair(self, first: FactorValue, second: FactorValue) -> str:
+        measure = self.experiment.kind.measures[0]
+        subject, found = measure.title.lower(), self._difference(first, second)
         both = f"{subject} is {first.short}{first.which} and {second.short}{second.which}"
         if not found.is_known:
-            return f"{self.where}too few episodes to compare: {both}"
+            return f"too few episodes to compare: {both}"
         if found.low <= 0 <= found.high:
-            return f"{self.where}no difference was found: {both}"
+            return f"no difference was found: {both}"
         change = measure.change(found)
-        if self.is_trend:
+        if self._is_trend:
             verb = "rises" if found.estimate > 0 else "falls"
             ends = f"from {second.short}{second.which} to {first.short}{first.which}"
-            return f"{self.where}{subject} {verb} {ends}: {change}"
+            return f"{subject} {verb} {ends}: {change}"
         verb = "is hardest" if self.factor.name == HARDEST_FIRST else "does best"
-        return f"{self.where}{first.name} {verb}: {first.short}, {change} than{second.which}"
+        return f"{first.name} {verb}: {first.short}, {change} than{second.which}"
 
 
 def answers(experiment: Experiment) -> tuple[Answer, ...]:
@@ -142,8 +129,7 @@ def answers(experiment: Experiment) -> tuple[Answer, ...]:
         if series := experiment.design.series(factor):
             parameter = PARAMETERS.get(factor.name)
             question = parameter.question if parameter else f"What does {factor.name} change?"
-            compared = [ComparedValues(experiment, factor, each) for each in series]
-            found.append(_answer(question, _compared(compared)))
+            found.append(_answer(question, _compared(experiment, factor, series)))
     return tuple(found) or (_answer("What are the results?", _apart(experiment)),)
 
 
@@ -152,15 +138,17 @@ def _answer(question: str, lines: Iterable[str]) -> Answer:
     return Answer(question, verdict, tuple(sentences))
 
 
-def _compared(series: Sequence[ComparedValues]) -> Iterator[str]:
+def _compared(
+    experiment: Experiment, factor: Factor, series: Sequence[CaseSeries]
+) -> Iterator[str]:
     """Yield the verdict on a factor's question, and then the evidence."""
-    main = series[0]
+    main = ComparedValues(experiment, factor, series[0])
     yield main.verdict
     yield from _measures(main.named)
-    if main.experiment.kind is LONE and main.factor.name not in OTHER_TASKS:
-        yield from _where_both_deliver(main.experiment, *main.pair)
+    if experiment.kind is LONE and factor.name not in OTHER_TASKS:
+        yield from _where_both_deliver(experiment, *main.pair)
     for each in series[1 : MAX_NAMED + 1]:
-        yield each.verdict
+        yield ComparedValues(experiment, factor, each).verdict
     left = len(series) - 1 - MAX_NAMED
     if left > 0:
         yield f"the table has {counted(left, 'further combination')}"
@@ -205,10 +193,9 @@ def _where_both_deliver(
     On these seeds both values had equally hard tasks.
     """
     for measure in experiment.kind.measures[1:]:
-        if not (one.results.has(measure) and other.results.has(measure)):
-            continue
         found = experiment.paired(measure, *one.results.case_ids, *other.results.case_ids)
-        if found is None or not found.is_known:
+        has_both = one.results.has(measure) and other.results.has(measure)
+        if found is None or not found.is_known or not has_both:
             continue
         begin = f"where both deliver, {one.name}"
         if found.low <= 0 <= found.high:

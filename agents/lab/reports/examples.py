@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.lab.experiments.case import Case, cells_of, check_fingerprint, failure_of, run_one
-from agents.lab.reports.figures import MAX_CELLS
+from agents.lab.experiments.case import Case, check_fingerprint, failure_of, run_one
 from agents.lab.reports.results import Experiment
 from agents.registry import is_own_code
 from warehouse_core.records.failure_modes import diagnose
@@ -39,17 +38,13 @@ def find_examples(experiment: Experiment) -> list[Example]:
 
     Among episodes of equal length, the first case and then the smallest seed is chosen.
     """
-    counts = experiment.results(*experiment.cases).modes
-    shortest: dict[str, tuple[int, int, int]] = {}
-    for number, each in experiment.episodes.items():
-        for mode, (steps, seed) in each.shortest.items():
-            if mode not in shortest or steps < shortest[mode][0]:
-                shortest[mode] = steps, number, seed
-    return [
-        Example(mode, experiment.cases[number], seed, steps, episodes)
-        for mode, episodes in counts.items()
-        for steps, number, seed in [shortest[mode]]
-    ]
+    found = []
+    for mode, episodes in experiment.results(*experiment.cases).modes.items():
+        having = {n: each for n, each in experiment.episodes.items() if mode in each.shortest}
+        number = min(having, key=lambda each: having[each].shortest[mode][0])
+        steps, seed = having[number].shortest[mode]
+        found.append(Example(mode, experiment.cases[number], seed, steps, episodes))
+    return found
 
 
 def replay(found: Example, *, run_own_code: bool) -> Example:
@@ -62,39 +57,24 @@ def replay(found: Example, *, run_own_code: bool) -> Example:
     if is_own_code(found.case["agent"]) and not run_own_code:
         reason = "Its agent is not part of this program. Run its code with --replays."
         return found._replace(sentence=reason)
-    if (why := _too_much(found)) is not None:
-        return found._replace(sentence=f"It is not run again: {why}.")
+    limit = MAX_STEPS if found.case["backend"] == "grid" else MAX_PHYSICS_STEPS
+    if found.steps > limit:
+        reason = f"It is not run again: it has {found.steps:,} steps, and the limit is {limit:,}."
+        return found._replace(sentence=reason)
     # It may now take longer than in the results.
     case = {**found.case, "max_steps": min(found.case["max_steps"], found.steps + 1)}
     try:
         check_fingerprint(case)
         episode = run_one(case, found.seed)
     except (Exception, SystemExit) as error:
-        why = " ".join(failure_of(error, case).split()).rstrip(".")
+        why = " ".join(failure_of(error, found.case).split()).rstrip(".")
         return found._replace(sentence=f"It cannot be run again: {why}.")
     diagnosis = diagnose(episode)
-    if (diagnosis.mode, episode.steps) != (found.mode, found.steps):
-        now = f"{diagnosis.mode} after {episode.steps} steps"
-        if episode.steps > found.steps:
-            now = f"it has not ended after {found.steps} steps"
-        sentence = (
-            f"Its outcome is different now: {now}, not "
-            f"{found.mode} after {found.steps} steps. The agent or a library has changed since the "
-            "results were written."
-        )
-        return found._replace(sentence=sentence)
-    return found._replace(sentence=diagnosis.sentence, track=track_of_record(episode))
-
-
-def _too_much(found: Example) -> str | None:
-    """Return why an episode is too large to be run again, or ``None`` if it is small enough.
-
-    The numbers of the results are not trusted, because the file may come from a stranger.
-    """
-    cells = cells_of(found.case)
-    if cells > MAX_CELLS:
-        return f"its layout has {cells:,} cells, and the limit is {MAX_CELLS:,}"
-    limit = MAX_STEPS if found.case["backend"] == "grid" else MAX_PHYSICS_STEPS
-    return (
-        f"it has {found.steps:,} steps, and the limit is {limit:,}" if found.steps > limit else None
+    if (diagnosis.mode, episode.steps) == (found.mode, found.steps):
+        return found._replace(sentence=diagnosis.sentence, track=track_of_record(episode))
+    reason = (
+        f"Its outcome is different now: {diagnosis.mode} after {episode.steps} steps, not "
+        f"{found.mode} after {found.steps} steps. The agent or a library has changed since the "
+        "results were written."
     )
+    return found._replace(sentence=reason)

@@ -26,7 +26,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import PercentFormatter
 
 from agents.errors import StoreError
-from agents.lab.experiments.case import TILES, cells_of
+from agents.lab.experiments.case import TILES
 from agents.lab.parameters import Value, shown
 from agents.lab.reports.results import (
     LONE,
@@ -35,7 +35,6 @@ from agents.lab.reports.results import (
     Factor,
     ReportedMeasure,
     Results,
-    make_design,
 )
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, Interval
 from agents.lab.trials.rows import MODES_OF
@@ -47,11 +46,9 @@ from warehouse_core.viz.axes.heat_map import CellCounts, heat_map
 from warehouse_core.viz.figure import SceneFigure, make_figure, save_svg
 from warehouse_core.wording import counted, listed
 
-MAX_MAPS = 4
-"""Maximum number of heat maps, which show the layouts with the most episodes."""
-
-MAX_CELLS = 300_000
-"""Maximum number of cells in a heat map or a replay; cells of larger layouts would be invisible."""
+MAX_MAPS, MAX_CELLS = 4, 300_000
+"""Maximum number of heat maps, which show the layouts with the most episodes, and maximum number of
+cells in each; cells of larger layouts would be invisible."""
 
 STATIONS = {
     "drawn": "Pickup and dropoff are random in each episode",
@@ -72,13 +69,12 @@ def pictures(experiment: Experiment) -> Iterator[Picture]:
     """Yield the figures that are not empty."""
     kind, chart = experiment.kind, ReportChart(experiment, experiment.design)
     physical = {n: case for n, case in experiment.cases.items() if case["backend"] != "grid"}
-    bodies = ReportChart(experiment, make_design(physical))
+    bodies = ReportChart(experiment, Design(physical))
     backends = sorted({shown(case["backend"]) for case in physical.values()})
-    on = f", backend {listed(backends)}" if backends else ""
     for measure in kind.measures:
         drawn, title = chart, measure.title
         if measure.is_physical:
-            drawn, title = bodies, title + on
+            drawn, title = bodies, f"{title}, backend {listed(backends)}" if backends else title
         if figure := measure_figure(drawn, title, measure):
             words = f"{title}: {measure.what}, {_intervals(drawn, measure)}{drawn.left_out}."
             yield Picture(measure.name, words, svg_of(figure))
@@ -109,78 +105,85 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
     """Yield a heat map for each layout and choice of stations, most episodes first."""
     layouts: dict[tuple[tuple[str, ...], str], list[int]] = {}
     for case_id, case in experiment.cases.items():
-        if TILES in case and cells_of(case) <= MAX_CELLS:
-            layouts.setdefault((tuple(case[TILES]), case["stations"]), []).append(case_id)
+        rows = tuple(case.get(TILES, ()))
+        if 0 < len(rows) * len(rows[0] if rows else "") <= MAX_CELLS:
+            layouts.setdefault((rows, case["stations"]), []).append(case_id)
     most_first = sorted(layouts.items(), key=lambda each: -experiment.results(*each[1]).episodes)
     for number, ((rows, stations), ids) in enumerate(most_first[:MAX_MAPS], start=1):
-        stuck = stuck_cells(experiment, rows, ids)
+        episodes, name = experiment.results(*ids).episodes, experiment.cases[ids[0]]["layout"]
+        stuck = {
+            f"{mode}: {cells.sum():,} ({cells.sum() / episodes:.1%})": cells
+            for mode, cells in stuck_cells(experiment, rows, ids).items()
+        }
         if not stuck:
             continue
-        episodes, name = experiment.results(*ids).episodes, experiment.cases[ids[0]]["layout"]
         caption = (
             f"Where robots got stuck on layout {shown(name)}: number of episodes with each failure "
             f"mode, out of {counted(episodes, 'episode')}, by the cell where the robot got stuck "
             f"or the episode ended. {STATIONS[stations]}."
         )
-        figure = stuck_heat_map(rows, stuck, episodes, with_stations=stations == "kept")
+        figure = heat_map(rows, stuck, width=WIDTH, with_stations=stations == "kept")
         yield Picture(f"stuck-{number}", caption, svg_of(figure))
 
 
+def stuck_cells(
+    experiment: Experiment, rows: Sequence[str], case_ids: Sequence[int]
+) -> dict[str, CellCounts]:
+    """Count the episodes that got stuck or ended in each cell, ``[H, W]``, for each failure mode.
+
+    Modes are in the order of ``MODES``.
+
+    Raises:
+        StoreError: an episode got stuck outside the layout.
+    """
+    ends = sum((experiment.episodes[each].ends for each in case_ids), Counter())
+    stuck: dict[str, CellCounts] = {}
+    for (mode, row, col), count in ends.items():
+        if mode != DELIVERED:
+            if not (row < len(rows) and col < len(rows[0])):
+                raise StoreError(f"{experiment.path}: row {row}, column {col} is off the layout")
+            cells = stuck.setdefault(mode, np.zeros((len(rows), len(rows[0])), dtype=np.int64))
+            cells[row, col] = count
+    return {mode: stuck[mode] for mode in modes.MODES if mode in stuck}
+
+
 MAX_COLORS, MAX_PANELS = 8, 6
-
-MAX_POINTS = 400
-"""Maximum number of points in a chart; each needs a bootstrap, and more would not be legible."""
-
-
-Where = tuple[Value | None, Value | None]
-"""Value of the panel and value of the colour."""
 
 
 class ReportChart:
     """The results of a design as points of a chart, with a role for each factor.
 
     Attributes:
-        axis: Factor along the axis, with only the values that are shown.
+        axis: Factor along the axis.
         color: Factor that is shown by colours.
         panel: Factor with a panel for each value.
-        left_out: End of a caption, which says what the chart leaves out of its design.
-        lines: Results by the value along the axis, for each panel and colour. The axis factor does
-            not apply to results at ``None``, which are the same along the whole axis.
+        left_out: End of a caption, which names the factors that the chart leaves out.
+        lines: Results by the value along the axis, for each value of the panel and the colour. The
+            axis factor does not apply to results at ``None``, which are the same along the axis.
         points: Results of all lines.
     """
 
     def __init__(self, experiment: Experiment, design: Design) -> None:
-        self.experiment, self.left_out = experiment, ""
+        self.kind, self.left_out = experiment.kind, ""
         self.axis, self.color, self.panel, pooled = roles_of(design)
-        if self.axis and len(self.axis.values) > (places := self._places()):
-            values, count = self.axis.values, len(self.axis.values)
-            # The first value, the last one, and values at equal distances between them.
-            shown = tuple(values[number * (count - 1) // (places - 1)] for number in range(places))
-            self.axis = Factor(self.axis.name, shown)
-            self.left_out += f"; {places} of {count:,} values of {self.axis.name}"
         if pooled:
-            self.left_out += f"; pooled over {listed([factor.name for factor in pooled])}"
+            self.left_out = f"; pooled over {listed([factor.name for factor in pooled])}"
         roles = self.panel, self.color, self.axis
-        found: dict[Where, dict[Value | None, list[int]]] = {}
+        found: dict[tuple[Value | None, ...], list[int]] = {}
         for case_id, labels in design.labels.items():
-            panel, color, along = (labels[role.name] if role else None for role in roles)
-            found.setdefault((panel, color), {}).setdefault(along, []).append(case_id)
-        panels, colors, values = (role.values if role else () for role in roles)
+            key = tuple(labels[role.name] if role else None for role in roles)
+            found.setdefault(key, []).append(case_id)
+        panels, colors, values = ((None, *(role.values if role else ())) for role in roles)
         self.lines = {
-            where: {
-                value: experiment.results(*found[where][value])
-                for value in (*values, None)
-                if value in found[where]
-            }
-            for where in product((None, *panels), (None, *colors))
-            if where in found
-        }
+            (panel, color): line
+            for panel, color in product(panels, colors)
+            if (line := {
+                value: experiment.results(*found[panel, color, value])
+                for value in (*values[1:], None)
+                if (panel, color, value) in found
+            })
+        }  # fmt: skip
         self.points = [results for line in self.lines.values() for results in line.values()]
-
-    def _places(self) -> int:
-        """Return the largest number of values along the axis."""
-        lines = math.prod(len(each.values) for each in (self.color, self.panel) if each)
-        return max(MAX_POINTS // lines, 2)
 
 
 def roles_of(design: Design) -> tuple[Factor | None, Factor | None, Factor | None, list[Factor]]:
@@ -197,14 +200,9 @@ def roles_of(design: Design) -> tuple[Factor | None, Factor | None, Factor | Non
 WIDTH, PANEL_HEIGHT, FOOT, DPI = 3.4, 2.6, 0.45, 100
 """Width, height of a panel and space below the last panel, in inches, and dots per inch."""
 
-LEFT, RIGHT, ROW = 0.6, 0.12, 0.2
-"""Margins left and right of the panels, and line height of title and legend, in inches."""
-
-LETTERS = 12.0
-"""Number of letters of a chart's text that fit into an inch."""
-
-AXIS_LETTERS = int((WIDTH - LEFT - RIGHT) * LETTERS)
-"""Number of letters that fit along an axis."""
+LEFT, RIGHT, ROW, LETTERS = 0.6, 0.12, 0.2, 12.0
+"""Margins left and right of the panels, line height of title and legend, in inches, and number of
+letters of a chart's text that fit into an inch."""
 
 MAX_TICKS, MAX_LETTERS = 10, 20
 """Maximum number of names along an axis, and maximum number of letters in each."""
@@ -214,20 +212,39 @@ TITLE_SIZE, TEXT_SIZE = 11.0, 9.0
 
 SMALL: dict[str, Any] = {"fontsize": TEXT_SIZE, "color": INK}
 
-Keys = Mapping[str, Any]
-"""Marks of a legend by their labels."""
+MARKERS, DODGE = "os^Dv*PX", 0.012
+"""Markers of lines, and horizontal distance between lines as a share of the width."""
 
 
 def make_panels(
-    title: str, count: int, labels: Sequence[str], names: AxisNames
+    title: str, panels: Sequence[str], labels: Sequence[str], axis: str, places: Mapping[str, float]
 ) -> tuple[SceneFigure, list[Axes]]:
-    """Return a figure with a title, a column of panels, and space for a legend and axis names."""
+    """Return a figure with a column of panels over one axis, and space for a legend.
+
+    At most ``MAX_TICKS`` names are below the axis, upright if they do not fit side by side. Long
+    names are shortened in the middle.
+
+    Args:
+        title: title of the figure.
+        panels: titles of the panels.
+        labels: labels of the legend.
+        axis: label of the axis.
+        places: place of each name along the axis.
+    """
+    step, half = math.ceil(len(places) / MAX_TICKS), MAX_LETTERS // 2
+    names = [
+        name
+        if len(name) <= MAX_LETTERS
+        else f"{name[: half - 1]}\N{HORIZONTAL ELLIPSIS}{name[-half:]}"
+        for name in list(places)[::step]
+    ]
+    is_upright = sum(len(name) + 1 for name in names) > int((WIDTH - LEFT - RIGHT) * LETTERS)
     lines = wrap(title, int(WIDTH * 9))
     above = ROW * (len(lines) + math.ceil(len(labels) / _legend_columns(labels))) + 0.4
-    foot = FOOT + names.height
-    height = above + count * PANEL_HEIGHT + foot - 0.4
+    foot = FOOT + (max(map(len, names)) / LETTERS if is_upright else 0.0)
+    height = above + len(panels) * PANEL_HEIGHT + foot - 0.4
     figure = make_figure((WIDTH, height), DPI)
-    grid = figure.subplots(count, 1, squeeze=False, sharex=True, sharey=True)
+    grid = figure.subplots(len(panels), 1, squeeze=False, sharex=True, sharey=True)
     figure.subplots_adjust(
         left=LEFT / WIDTH, right=1 - RIGHT / WIDTH, top=1 - above / height, bottom=foot / height,
         hspace=0.25,
@@ -236,15 +253,17 @@ def make_panels(
         "\n".join(lines), x=0.03, y=1 - 0.08 / height, ha="left", va="top", fontsize=TITLE_SIZE,
         color=INK, parse_math=False,
     )  # fmt: skip
-    axes = list(grid.flat)
-    for each in axes:
-        style_chart(each, "y")
-        each.tick_params(labelsize=TEXT_SIZE, labelcolor=INK, color=INK)
-    return figure, axes
+    for axes, words in zip(grid.flat, panels, strict=True):
+        style_chart(axes, "y")
+        axes.tick_params(labelsize=TEXT_SIZE, labelcolor=INK, color=INK)
+        axes.set_title(words, loc="left", **SMALL)
+    axes.set_xticks(list(places.values())[::step], names, rotation=90 if is_upright else 0)
+    axes.set_xlabel(axis, **SMALL)
+    return figure, list(grid.flat)
 
 
-def draw_legend(figure: SceneFigure, title: str, keys: Keys) -> None:
-    """Draw the legend below the title."""
+def draw_legend(figure: SceneFigure, title: str, keys: Mapping[str, Any]) -> None:
+    """Draw the legend, given as marks by their labels, below the title."""
     below = 0.1 + ROW * len(wrap(title, int(WIDTH * 9)))
     figure.legend(
         list(keys.values()), list(keys), loc="upper left", ncols=_legend_columns(list(keys)),
@@ -258,82 +277,57 @@ def _legend_columns(labels: Sequence[str]) -> int:
     return max(int(WIDTH * LETTERS) // longest, 1)
 
 
-class AxisNames:
-    """The names of values below an axis, at most ``MAX_TICKS`` of them.
-
-    Names are upright if they do not fit side by side. Long names are shortened in the middle.
-
-    Attributes:
-        height: Height in inches that upright names need beyond a line.
-    """
-
-    def __init__(self, values: Sequence[str]) -> None:
-        self._step, half = math.ceil(len(values) / MAX_TICKS), MAX_LETTERS // 2
-        self._names = [
-            name
-            if len(name) <= MAX_LETTERS
-            else f"{name[: half - 1]}\N{HORIZONTAL ELLIPSIS}{name[-half:]}"
-            for name in values[:: self._step]
-        ]
-        self._is_upright = sum(len(name) + 1 for name in self._names) > AXIS_LETTERS
-        self.height = max(map(len, self._names)) / LETTERS if self._is_upright else 0.0
-
-    def write(self, axes: Axes, places: Sequence[float], label: str) -> None:
-        """Write the names at their places below an axis, and the label of the axis."""
-        rotation = 90 if self._is_upright else 0
-        axes.set_xticks(places[:: self._step], self._names, rotation=rotation)
-        axes.set_xlabel(label, **SMALL)
-
-
-def name_panel(axes: Axes, *named: tuple[Factor | None, Value | None]) -> None:
-    """Write the values of some factors above a panel."""
-    parts = [f"{factor.name} {shown(value)}" for factor, value in named if factor]
-    axes.set_title(", ".join(parts), loc="left", **SMALL)
-
-
-MARKERS = "os^Dv*PX"
-
-DODGE = 0.012
-"""Horizontal distance between lines as a share of the width, so that intervals do not overlap."""
+def _named(*parts: tuple[Factor | None, Value | None]) -> str:
+    """Return the values of some factors as the title of a panel."""
+    return ", ".join(f"{factor.name} {shown(value)}" for factor, value in parts if factor)
 
 
 @mpl.rc_context({"text.parse_math": False})
 def measure_figure(chart: ReportChart, title: str, measure: ReportedMeasure) -> SceneFigure | None:
     """Draw a measure with its intervals, or return ``None`` if there is nothing to compare."""
-    axis, color, panel = chart.axis, chart.color, chart.panel
+    axis = chart.axis
     lines = {
         where: {value: measured(measure, results) for value, results in line.items()}
         for where, line in chart.lines.items()
     }
     if axis is None or not any(point for line in lines.values() for point in line.values()):
         return None
-    panels = list(dict.fromkeys(value for value, _ in lines))
-    colors = list(dict.fromkeys(value for _, value in lines))
-    labels = [f"{color.name} {shown(value)}" if color else "" for value in colors]
-    names = AxisNames([shown(value) for value in axis.values])
-    figure, axes = make_panels(title, len(panels), labels if color else [], names)
-    numeric = axis.is_numeric
-    places = {v: float(v) if numeric else float(n) for n, v in enumerate(axis.values)}
+    panels, colors = (list(dict.fromkeys(column)) for column in zip(*lines, strict=True))
+    labels = [_named((chart.color, value)) for value in colors]
+    numbers = axis.values if axis.is_numeric else range(len(axis.values))
+    places = {value: float(each) for value, each in zip(axis.values, numbers, strict=True)}
+    figure, axes = make_panels(
+        title,
+        [_named((chart.panel, value)) for value in panels],
+        labels if chart.color else [],
+        axis.name,
+        {shown(value): place for value, place in places.items()},
+    )
     first, last = min(places.values()), max(places.values())
     keys: dict[str, Any] = {}
     for (value, shade), line in lines.items():
         number = colors.index(shade)
         shift = (number - (len(colors) - 1) / 2) * DODGE * (last - first)
-        drawn = _draw_line(axes[panels.index(value)], axis, places, line, shift, number)
+        points = {places[at] + shift: each for at, each in line.items() if at is not None and each}
+        drawn = _draw_line(
+            axes[panels.index(value)],
+            points,
+            line.get(None),
+            number,
+            "-" if axis.is_ordered else "",
+        )
         if drawn:
             keys.setdefault(labels[number], drawn)
     room = 0.06 * (last - first) if axis.is_ordered else 0.5
-    for value, each in zip(panels, axes, strict=True):
+    for each in axes:
         each.set_xlim(first - room, last + room)
-        name_panel(each, (panel, value))
         if measure.unit == "%":
             each.yaxis.set_major_formatter(PercentFormatter(1))
             each.set_ylim(-0.02, 1.02)
         else:
             each.set_ylim(bottom=0)
             each.set_ylabel(measure.unit, **SMALL)
-    names.write(axes[-1], list(places.values()), axis.name)
-    if color:
+    if chart.color:
         draw_legend(figure, title, keys)
     return figure
 
@@ -348,28 +342,22 @@ def measured(measure: ReportedMeasure, results: Results) -> Interval | None:
 
 def _draw_line(
     axes: Axes,
-    axis: Factor,
-    places: Mapping[Value, float],
-    line: Mapping[Value | None, Interval | None],
-    shift: float,
+    points: Mapping[float, Interval],
+    everywhere: Interval | None,
     number: int,
+    line: str,
 ) -> Any:
-    """Draw the results of one colour, and return the mark for the legend."""
+    """Draw the results of one colour by place, and return the mark for the legend."""
     key: Any = None
     look: dict[str, Any] = {"color": SERIES[number], "linewidth": 1.6}
-    points = [(places[value] + shift, point) for value, point in line.items()
-              if value is not None and point]  # fmt: skip
     if points:
-        reach = [
-            [point.estimate - point.low for _, point in points],
-            [point.high - point.estimate for _, point in points],
-        ]
+        middle, low, high = zip(*points.values(), strict=True)
+        reach = np.subtract(middle, low), np.subtract(high, middle)
         key = axes.errorbar(
-            [place for place, _ in points], [point.estimate for _, point in points], reach,
-            fmt=MARKERS[number], capsize=3, markersize=5, linestyle="-" if axis.is_ordered else "",
-            **look,
+            list(points), middle, reach, fmt=MARKERS[number], capsize=3, markersize=5,
+            linestyle=line, **look,
         )  # fmt: skip
-    if everywhere := line.get(None):
+    if everywhere:
         key = axes.axhline(everywhere.estimate, linestyle=(0, (5, 2)), **look)
         axes.axhspan(everywhere.low, everywhere.high, color=SERIES[number], alpha=0.15, lw=0)
     return key
@@ -409,24 +397,28 @@ MIN_LEGIBLE, MAX_NUMBERED = 0.08, 7
 @mpl.rc_context({"text.parse_math": False})
 def modes_figure(chart: ReportChart, title: str) -> SceneFigure:
     """Draw the shares of the outcomes as stacked bars."""
-    axis, color, panel = chart.axis, chart.color, chart.panel
+    axis = chart.axis
     everywhere = f"any {axis.name}" if axis else "all episodes"
     found = {value for line in chart.lines.values() for value in line}
     values = [value for value in (*(axis.values if axis else ()), None) if value in found]
-    names = AxisNames([everywhere if value is None else shown(value) for value in values])
+    names = [everywhere if value is None else shown(value) for value in values]
     occurring = {mode for results in chart.points for mode in results.modes}
-    in_order = dict.fromkeys([*FIRST_MODES, *MODES_OF[chart.experiment.kind.row]])
+    in_order = dict.fromkeys([*FIRST_MODES, *MODES_OF[chart.kind.row]])
     keys = {mode: Patch(color=MODE_COLORS[mode]) for mode in in_order if mode in occurring}
-    figure, axes = make_panels(title, len(chart.lines), list(keys), names)
-    for ((value, shade), line), each in zip(chart.lines.items(), axes, strict=True):
+    figure, axes = make_panels(
+        title,
+        [_named((chart.panel, value), (chart.color, shade)) for value, shade in chart.lines],
+        list(keys),
+        axis.name if axis else "",
+        {name: float(place) for place, name in enumerate(names)},
+    )
+    for line, each in zip(chart.lines.values(), axes, strict=True):
         for along, results in line.items():
             is_numbered = len(values) <= MAX_NUMBERED
             _draw_bar(each, values.index(along), results, is_numbered=is_numbered)
         each.yaxis.set_major_formatter(PercentFormatter(1))
         each.set_ylim(0, 1)
         each.set_xlim(-0.6, max(len(values) - 0.4, 2.4))
-        name_panel(each, (panel, value), (color, shade))
-    names.write(axes[-1], range(len(values)), axis.name if axis else "")
     draw_legend(figure, title, keys)
     return figure
 
@@ -448,46 +440,3 @@ def ink_on(color: str) -> str:
     """Return the colour for text on a colour: black or near-white, whichever is legible."""
     light = sum(weight * part**2.2 for weight, part in zip(LUMINANCE, to_rgb(color), strict=True))
     return "black" if light > MAX_DARK else "whitesmoke"
-
-
-def stuck_cells(
-    experiment: Experiment, rows: Sequence[str], case_ids: Sequence[int]
-) -> dict[str, CellCounts]:
-    """Count the episodes that got stuck or ended in each cell, ``[H, W]``, for each failure mode.
-
-    Modes are in the order of ``MODES``.
-
-    Raises:
-        StoreError: an episode got stuck outside the layout.
-    """
-    ends = sum((experiment.episodes[each].ends for each in case_ids), Counter())
-    stuck: dict[str, CellCounts] = {}
-    for mode in modes.MODES:
-        for (ending, row, col), count in ends.items():
-            if ending != mode or mode == DELIVERED:
-                continue
-            if not (row < len(rows) and col < len(rows[0])):
-                raise StoreError(
-                    f"{experiment.store.path}: row {row}, column {col} is off the layout"
-                )
-            counts = stuck.setdefault(mode, np.zeros((len(rows), len(rows[0])), dtype=np.int64))
-            counts[row, col] = count
-    return stuck
-
-
-def stuck_heat_map(
-    rows: Sequence[str],
-    stuck: Mapping[str, CellCounts],
-    episodes: int,
-    *,
-    with_stations: bool = False,
-) -> Figure:
-    """Return the heat maps of a layout, with a panel for each mode in ``stuck``.
-
-    Shares refer to all episodes, including deliveries.
-    """
-    titled = {
-        f"{mode}: {cells.sum():,} ({cells.sum() / episodes:.1%})": cells
-        for mode, cells in stuck.items()
-    }
-    return heat_map(rows, titled, width=WIDTH, with_stations=with_stations)

@@ -12,9 +12,9 @@ import re
 from base64 import b64encode
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from typing import NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -27,7 +27,7 @@ from agents.lab.parameters import shown
 from agents.lab.reports.answers import Answer, answers
 from agents.lab.reports.examples import Example, find_examples, replay
 from agents.lab.reports.figures import Picture, pictures
-from agents.lab.reports.results import FLEETS, LONE, Design, Experiment, ReportedMeasure, Results
+from agents.lab.reports.results import FLEETS, LONE, Experiment, Results
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES
 from agents.lab.trials.rows import MODES_OF
 from warehouse_core.files.atomic import atomic_path
@@ -48,34 +48,22 @@ METHODS = (
 )
 
 NUMBER = re.compile(r"-?\d[\d,.]*%?( .*)?")
+"""Pattern for a number, with or without a unit and an interval."""
 
 MADE_WITH = ("warehouse-lab", "numpy", "matplotlib")
 
 
-@dataclass(frozen=True, slots=True)
-class Page:
-    """The contents of the page.
-
-    Attributes:
-        title: Title of the page.
-        summary: Numbers of episodes and combinations, and the seeds.
-        methods: Explanation of the intervals.
-        answers: Answers to the questions of the experiment.
-        pictures: Figures.
-        settings: Name and values of each parameter.
-        tables: A table for each kind of episode.
-        examples: An example for each outcome.
-        made_with: Names and versions of the programs that made the page and the results.
-    """
+class Page(NamedTuple):
+    """The contents of the page, in its order; settings and programs are names and values."""
 
     title: str
     summary: str
     methods: str
     answers: tuple[Answer, ...]
     pictures: tuple[Picture, ...]
+    examples: tuple[Example, ...]
     settings: tuple[tuple[str, str], ...]
     tables: tuple[TextTable, ...]
-    examples: tuple[Example, ...]
     made_with: tuple[tuple[str, str], ...]
 
 
@@ -100,9 +88,9 @@ def make_page(store: Store, replays: bool | None = False) -> Page:
         methods=METHODS,
         answers=tuple(answer for part in parts for answer in answers(part)),
         pictures=tuple(picture for part in parts for picture in pictures(part)),
-        settings=tuple(setting for part in parts for setting in _settings(part.design)),
-        tables=tuple(map(_table, parts)),
         examples=tuple(replay(each, run_own_code=bool(replays)) for each in wanted),
+        settings=tuple(setting for part in parts for setting in _settings(part)),
+        tables=tuple(map(_table, parts)),
         made_with=(
             ("Python", platform.python_version()),
             *((name, version(name)) for name in MADE_WITH),
@@ -124,69 +112,50 @@ def _programs(store: Store, parts: Iterable[Experiment]) -> Iterator[tuple[str, 
 def _summary(experiment: Experiment) -> str:
     """Return the number of episodes, their seeds, and the number of missing combinations."""
     everything = experiment.results(*experiment.cases)
-    first, last = everything.seeds
     counts = [experiment.results(case_id).episodes for case_id in experiment.cases]
-    parts = [
+    words = (
         f"{counted(everything.episodes, 'episode')}{experiment.kind.name} in "
-        f"{counted(len(experiment.cases), 'combination')} of settings",
-        f"seeds from {first} to {last}",
-    ]
+        f"{counted(len(counts), 'combination')} of settings, "
+        "seeds from {} to {}".format(*everything.seeds)
+    )
     if min(counts) < max(counts):
-        parts.append(f"{min(counts):,} to {max(counts):,} episodes each")
+        words += f", {min(counts):,} to {max(counts):,} episodes each"
     if experiment.unbegun:
-        parts.append(f"{counted(experiment.unbegun, 'further combination')} not yet started")
-    return ", ".join(parts)
+        words += f", {counted(experiment.unbegun, 'further combination')} not yet started"
+    return words
 
 
-def _settings(design: Design) -> Iterator[tuple[str, str]]:
+def _settings(experiment: Experiment) -> Iterator[tuple[str, str]]:
     """Yield names and values of the parameters that differ, and then of the other parameters."""
-    for factor in design.factors:
+    for factor in experiment.design.factors:
         yield factor.name, ", ".join(map(shown, factor.values))
-    for name, value in design.fixed.items():
+    for name, value in experiment.design.fixed.items():
         yield name, shown(value)
 
 
 def _table(experiment: Experiment) -> TextTable:
     """Return a table with a row for each case: its settings, number of episodes and results."""
-    design = experiment.design
-    chosen = list(design.labels)[:MAX_CASES]
-    results = {case_id: experiment.results(case_id) for case_id in chosen}
-    modes = [
-        mode
-        for mode in MODES_OF[experiment.kind.row]
-        if any(mode in each.modes for each in results.values())
-    ]
-    measures = [
-        each
-        for each in experiment.kind.measures
-        if any(found.has(each) for found in results.values())
-    ]
+    design, kind = experiment.design, experiment.kind
+    results = {each: experiment.results(each) for each in list(design.labels)[:MAX_CASES]}
     names = [factor.name for factor in design.factors]
-    rows = [
-        (
-            *(shown(design.labels[case_id][name]) for name in names),
-            f"{each.episodes:,}",
-            _seeds(each),
-            *(_cell(each, measure) for measure in measures),
-            *(f"{each.modes.get(mode, 0):,}" for mode in modes),
-        )
-        for case_id, each in results.items()
-    ]
-    left = len(design.labels) - len(chosen)
+    modes = [m for m in MODES_OF[kind.row] if any(m in each.modes for each in results.values())]
+    measures = [m for m in kind.measures if any(each.has(m) for each in results.values())]
+
+    def cells(case_id: int, each: Results) -> Iterator[str]:
+        yield from (shown(design.labels[case_id][name]) for name in names)
+        yield f"{each.episodes:,}"
+        first, last = each.seeds
+        yield f"{first} to {last}{' with gaps' if each.episodes < last - first + 1 else ''}"
+        for measure in measures:
+            interval = each.interval(measure) if each.has(measure) else None
+            yield measure.words(interval) if interval else shown(None)
+        yield from (f"{each.modes.get(mode, 0):,}" for mode in modes)
+
+    left = len(design.labels) - len(results)
     note = f"The file has {counted(left, 'further combination')}." if left else ""
     columns = (measure.name.replace("_", " ") for measure in measures)
-    return TextTable((*names, "episodes", "seeds", *columns, *modes), rows, caption=note)
-
-
-def _cell(results: Results, measure: ReportedMeasure) -> str:
-    interval = results.interval(measure)
-    return measure.words(interval) if interval and results.has(measure) else shown(None)
-
-
-def _seeds(results: Results) -> str:
-    first, last = results.seeds
-    has_gaps = results.episodes < last - first + 1
-    return f"{first} to {last}{' with gaps' if has_gaps else ''}"
+    header = (*names, "episodes", "seeds", *columns, *modes)
+    return TextTable(header, [tuple(cells(*each)) for each in results.items()], caption=note)
 
 
 def write_page(path: Path, page: Page) -> None:
@@ -216,7 +185,8 @@ def write_template(
         lstrip_blocks=True,
     )
     environment.filters |= {
-        "data_uri": _data_uri, "flags": flags_of, "numeric": _numeric, "player": _player,
+        "counted": counted, "data_uri": _data_uri, "flags": flags_of, "numeric": _numeric,
+        "player": _player,
     }  # fmt: skip
     scripts = digest(script()) if has_players else ""
     environment.globals |= {"palette": Markup(style_rules()), "scripts": scripts, "title": title}
@@ -242,14 +212,12 @@ def player_of(track: Track, title: str) -> Markup:
     return Markup(player_frame([track], title=title))
 
 
-def _data_uri(data: bytes, kind: str) -> str:
-    return f"data:{kind};base64,{b64encode(data).decode('ascii')}"
+def _data_uri(picture: Picture) -> str:
+    return f"data:image/svg+xml;base64,{b64encode(picture.svg).decode('ascii')}"
 
 
 def _numeric(table: TextTable) -> list[bool]:
-    """Return whether the cells of each column are numbers, with or without units and intervals."""
-    columns = []
-    for number in range(len(table.header)):
-        cells = {row[number] for row in table.rows} - {"", shown(None)}
-        columns.append(bool(cells) and all(NUMBER.fullmatch(cell) for cell in cells))
-    return columns
+    """Return whether the cells of each column are numbers."""
+    columns = ([row[number] for row in table.rows] for number in range(len(table.header)))
+    found = [{*column} - {"", shown(None)} for column in columns]
+    return [bool(cells) and all(map(NUMBER.fullmatch, cells)) for cells in found]

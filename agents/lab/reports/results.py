@@ -8,16 +8,11 @@ equal tasks.
 
 from __future__ import annotations
 
-import hashlib
 import math
-import operator
 import re
 from array import array
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
-from functools import cached_property
-from itertools import compress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,18 +37,16 @@ CaseIds = tuple[int, ...]
 Labels = dict[str, Value | None]
 """Displayed values of a case by parameter; ``None`` where a parameter does not apply."""
 
+CONTENTS = {"layout": TILES, "agent": FINGERPRINT, PLANNER: FINGERPRINT}
+"""Parameters that may name files, and the keys of a case with the contents of the files."""
+
 FOLDERS = re.compile(r"(\b[A-Za-z]:)?[^:]*[/\\]")
 """Pattern for the folders in the path of a file, which may follow a word and a colon."""
 
-Combination = tuple[Value | None, ...]
-"""Values of some factors, in the order of the factors."""
-
-MARK_LENGTH = 6
-"""Number of digits of a digest that distinguish two files with the same name."""
+SIZE = re.compile(r"(\d+)x(\d+)")
 
 
-@dataclass(frozen=True, slots=True)
-class Factor:
+class Factor(NamedTuple):
     """A parameter that differs, with its values in the order in which they are displayed."""
 
     name: str
@@ -82,7 +75,6 @@ class CaseSeries(NamedTuple):
     cases: dict[Value, int]
 
 
-@dataclass(frozen=True)
 class Design:
     """The cases of an experiment, and the parameters that differ between them.
 
@@ -92,52 +84,47 @@ class Design:
         fixed: Values of the other parameters.
     """
 
-    labels: dict[int, Labels]
-    factors: tuple[Factor, ...]
-    fixed: Labels
+    def __init__(self, cases: Mapping[int, Case]) -> None:
+        self.labels = _labels(cases)
+        self.factors, self.fixed = list[Factor](), Labels()
+        known = {name for labels in self.labels.values() for name in labels}
+        for name in [*PARAMETERS, *sorted(known - PARAMETERS.keys())]:
+            for labels in self.labels.values():
+                labels.setdefault(name, None)
+            found = dict.fromkeys(labels[name] for labels in self.labels.values())
+            values = [value for value in found if value is not None]
+            if len(values) > 1:
+                self.factors.append(Factor(name, tuple(sorted(values, key=_rank))))
+            elif values:
+                self.fixed[name] = values[0]
 
     def series(self, factor: Factor) -> list[CaseSeries]:
         """Return every series of a factor, beginning with the one nearest to the defaults."""
         others = [each.name for each in self.factors if each != factor]
-        exact: dict[Combination, list[int]] = {}
+        groups: dict[tuple[Value | None, ...], dict[Value, int]] = {}
         for case_id, labels in self.labels.items():
-            exact.setdefault(tuple(labels[name] for name in others), []).append(case_id)
+            if (value := labels[factor.name]) is not None:
+                groups.setdefault(tuple(labels[name] for name in others), {})[value] = case_id
+        # A parameter that does not apply agrees with any value.
+        partial, merged = [key for key in groups if None in key], set[tuple[Value | None, ...]]()
         series = []
-        for combination, comparable in _comparable(exact).items():
+        for key in groups:
+            matching = [each for each in partial if each != key and _agree(each, key)]
+            merged.update(each for each in matching if _is_part(each, key))
             cases = {
-                value: case_id
-                for each in comparable
-                for case_id in exact[each]
-                if (value := self.labels[case_id][factor.name]) is not None
+                value: case for each in [*matching, key] for value, case in groups[each].items()
             }
-            if len(cases) > 1:
-                labels = dict(zip(others, combination, strict=True))
-                series.append(
-                    CaseSeries(labels, {v: cases[v] for v in factor.values if v in cases})
-                )
-        return sorted(series, key=lambda each: -_defaults_in(each.others))
+            series.append((key, {value: cases[value] for value in factor.values if value in cases}))
+        found = [
+            CaseSeries(dict(zip(others, key, strict=True)), cases)
+            for key, cases in series
+            if len(cases) > 1 and key not in merged
+        ]
+        return sorted(found, key=lambda each: -_defaults_in(each.others))
 
     def name_of(self, case_id: int) -> str:
         """Return the values of a case that differ between cases, in words."""
         return described({each.name: self.labels[case_id][each.name] for each in self.factors})
-
-
-def make_design(cases: Mapping[int, Case]) -> Design:
-    """Return the design of an experiment, given its cases by number."""
-    labels = _labels(cases)
-    known = {name for each in labels.values() for name in each}
-    names = [*PARAMETERS, *sorted(known - PARAMETERS.keys())]
-    factors, fixed = [], Labels()
-    for name in names:
-        values = dict.fromkeys(each.get(name) for each in labels.values())
-        for each in labels.values():
-            each.setdefault(name, None)
-        shown = [value for value in values if value is not None]
-        if len(shown) > 1:
-            factors.append(Factor(name, tuple(sorted(shown, key=_rank))))
-        elif shown:
-            fixed[name] = shown[0]
-    return Design(labels, tuple(factors), fixed)
 
 
 def described(labels: Mapping[str, Value | None]) -> str:
@@ -149,23 +136,19 @@ def described(labels: Mapping[str, Value | None]) -> str:
 def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
     """Return the displayed values of each case, with files named without their folders.
 
-    Files that have the same name and different contents are marked with a digest.
+    Files that have the same name and different contents are different versions.
     """
-    contents = {"layout": TILES, "agent": FINGERPRINT, PLANNER: FINGERPRINT}
-    found = {
-        case_id: {k: v for k, v in case.items() if k not in (TILES, FINGERPRINT)}
-        for case_id, case in cases.items()
-    }
-    for name, content in contents.items():
-        having = {case_id: case for case_id, case in cases.items() if name in case}
-        short = {each: FOLDERS.sub("", case[name]) or case[name] for each, case in having.items()}
-        files = {(short[each], str(case.get(content))) for each, case in having.items()}
-        versions = Counter(file for file, _ in files)
-        for case_id, case in having.items():
-            found[case_id][name] = short[case_id]
-            if versions[short[case_id]] > 1:
-                digest = hashlib.sha256(repr(case.get(content)).encode()).hexdigest()
-                found[case_id][name] += f" ({digest[:MARK_LENGTH]})"
+    versions: dict[tuple[str, str], list[Any]] = {}
+    found: dict[int, Labels] = {}
+    for case_id, case in cases.items():
+        found[case_id] = labels = {k: v for k, v in case.items() if k not in (TILES, FINGERPRINT)}
+        for name in CONTENTS.keys() & case.keys():
+            short = FOLDERS.sub("", case[name]) or case[name]
+            contents, content = versions.setdefault((name, short), []), case.get(CONTENTS[name])
+            if content not in contents:
+                contents.append(content)
+            version = contents.index(content) + 1
+            labels[name] = short if version == 1 else f"{short} (version {version})"
     _name_stations_with_layouts(found.values())
     return found
 
@@ -177,49 +160,30 @@ def _name_stations_with_layouts(labels: Collection[Labels]) -> None:
     are random. Layout and stations are then one factor instead of two.
     """
     pairs = {(each["layout"], each.get("stations")) for each in labels}
-    layouts, stations = ({each[place] for each in pairs} for place in (0, 1))
+    layouts, stations = map(set, zip(*pairs, strict=True)) if pairs else ((), ())
     if len(pairs) == len(layouts) and len(stations) > 1:
         for each in labels:
             each["layout"] = f"{each['layout']} (stations {each.pop('stations')})"
 
 
-def _rank(value: Value) -> tuple[object, ...]:
+def _rank(value: Value) -> Any:
     """Return a sort key for a value: on before off, sizes by area, names in their given order."""
-    if isinstance(value, bool):
-        return (0, not value)
     if isinstance(value, str):
-        height, x, width = value.partition("x")
-        is_size = x and height.isdecimal() and width.isdecimal()
-        return (1, int(height) * int(width)) if is_size else (2, 0)
-    return (1, value)
+        size = SIZE.fullmatch(value)
+        return int(size[1]) * int(size[2]) if size else 0
+    return not value if isinstance(value, bool) else value
 
 
-def _comparable(
-    combinations: Collection[Combination],
-) -> dict[Combination, list[Combination]]:
-    """Return the combinations that are comparable with each combination, and last itself.
+def _agree(combination: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
+    """Return whether two combinations are equal wherever both have a value."""
+    return all(
+        one == two or None in (one, two) for one, two in zip(combination, other, strict=True)
+    )
 
-    Two combinations are comparable if they are equal wherever both have a value. A combination
-    that equals another one with some values left out is not among the keys.
-    """
-    groups: dict[tuple[bool, ...], list[Combination]] = {}
-    for each in combinations:
-        groups.setdefault(tuple(value is not None for value in each), []).append(each)
-    found: dict[Combination, list[Combination]] = {each: [] for each in combinations}
-    for own, members in groups.items():
-        for mask, others in groups.items():
-            both = tuple(map(operator.and_, own, mask))
-            index: dict[Combination, list[Combination]] = {}
-            for other in others:
-                index.setdefault(tuple(compress(other, both)), []).append(other)
-            for each in members:
-                equal = index.get(tuple(compress(each, both)), [])
-                if equal and own == both != mask:
-                    found.pop(each, None)
-                elif each in found:
-                    found[each] += [other for other in equal if other != each]
-    # The combination itself is last, so that no case with fewer values replaces its case.
-    return {each: [*others, each] for each, others in found.items()}
+
+def _is_part(combination: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
+    """Return whether a combination equals another one with some values left out."""
+    return all(one in (None, two) for one, two in zip(combination, other, strict=True))
 
 
 def _defaults_in(labels: Labels) -> int:
@@ -258,43 +222,33 @@ class ReportedMeasure(NamedTuple):
     def change(self, difference: Interval) -> str:
         """Return a difference with its interval as text, such as ``4.2 points more (1 to 7)``."""
         more = "more" if difference.estimate > 0 else "less"
-        if self.unit == "%":
-            difference, unit = Interval(*(100 * each for each in difference)), "points"
-        else:
-            unit = self.unit
-        return mean(abs(difference), f"{unit} {more}")
+        if self.unit != "%":
+            return mean(abs(difference), f"{self.unit} {more}")
+        return mean(abs(Interval(*(100 * each for each in difference))), f"points {more}")
 
 
-def _of_deliveries(
-    name: str, title: str, says: str, unit: str, *, is_physical: bool = True
-) -> ReportedMeasure:
+def _of_deliveries(name: str, title: str, verb: str, unit: str) -> ReportedMeasure:
     def value(row: Row) -> float | None:
         return getattr(row, name) if row.mode == DELIVERED else None
 
     what = "mean over all deliveries, hard or easy"
-    return ReportedMeasure(name, title, says, unit, value, what, is_physical)
+    return ReportedMeasure(
+        name, f"{title} of a delivery", f"a delivery {verb}", unit, value, what, name != "steps"
+    )
 
 
 def _blocked(row: FleetRow) -> float | None:
-    stopped = row.blocked_by_wall + row.blocked_by_robot + row.blocked_by_person
-    moves = row.distance + stopped
+    moves = row.distance + row.blocked_by_wall + row.blocked_by_robot + row.blocked_by_person
     return row.blocked_by_robot / moves if moves else None
-
-
-def _kilojoules(row: FleetRow) -> float | None:
-    joules = row.joules_per_delivery
-    return None if joules is None else joules / 1000
 
 
 SUCCESS = ReportedMeasure(
     "success", "Success", "success is", "%", lambda row: row.mode == DELIVERED,
-    what="share of all episodes",
+    "share of all episodes",
 )  # fmt: skip
-STEPS = _of_deliveries(
-    "steps", "Steps of a delivery", "a delivery takes", "steps", is_physical=False
-)
-SECONDS = _of_deliveries("seconds", "Time of a delivery", "a delivery takes", "s")
-JOULES = _of_deliveries("joules", "Energy of a delivery", "a delivery uses", "J")
+STEPS = _of_deliveries("steps", "Steps", "takes", "steps")
+SECONDS = _of_deliveries("seconds", "Time", "takes", "s")
+JOULES = _of_deliveries("joules", "Energy", "uses", "J")
 
 PER_HOUR = ReportedMeasure(
     "per_hour", "Rate of deliveries", "the rate of deliveries is", "per hour",
@@ -308,8 +262,9 @@ LATENESS = ReportedMeasure(
     lambda row: row.mean_lateness,
 )  # fmt: skip
 ENERGY = ReportedMeasure(
-    "energy", "Energy of a delivery", "a delivery uses", "kJ", _kilojoules,
-    what="energy of all robots, mean of all episodes",
+    "energy", "Energy of a delivery", "a delivery uses", "kJ",
+    lambda row: row.joules_per_delivery and row.joules_per_delivery / 1000,
+    "energy of all robots, mean of all episodes",
 )  # fmt: skip
 BLOCKED = ReportedMeasure(
     "blocked", "Share of moves that robots blocked", "the share of moves that robots blocked is",
@@ -383,11 +338,11 @@ class Results:
 
     def __init__(self, experiment: Experiment, case_ids: CaseIds) -> None:
         self.kind, self.case_ids = experiment.kind, case_ids
-        self._episodes = [experiment.episodes[each] for each in case_ids]
-        modes = sum((each.modes for each in self._episodes), Counter[str]())
+        self._parts = [experiment.episodes[each] for each in case_ids]
+        modes = sum((each.modes for each in self._parts), Counter[str]())
         self.episodes = modes.total()
         self.modes = {mode: modes[mode] for mode in MODES_OF[self.kind.row] if mode in modes}
-        ends = [int(each.seeds[end]) for each in self._episodes for end in (0, -1)]
+        ends = [int(each.seeds[end]) for each in self._parts for end in (0, -1)]
         self.seeds = min(ends), max(ends)
         self.is_measured = all(experiment.cases[each]["backend"] != "grid" for each in case_ids)
         self._intervals: dict[ReportedMeasure, Interval | None] = {}
@@ -399,7 +354,7 @@ class Results:
     def interval(self, measure: ReportedMeasure) -> Interval | None:
         """Return the mean or the share of a measure, or ``None`` if no episode has a value."""
         if measure not in self._intervals:
-            values = np.concatenate([each.values[measure] for each in self._episodes])
+            values = np.concatenate([each.values[measure] for each in self._parts])
             self._intervals[measure] = (
                 share_interval(int(values.sum()), len(values))
                 if measure is SUCCESS
@@ -419,32 +374,25 @@ class Experiment:
     """The cases of one kind in a file of results, and their results, each computed once.
 
     Attributes:
+        path: File of results.
         cases: Cases with episodes, by their numbers.
         episodes: Episodes of these cases.
         unbegun: Number of cases of this kind without an episode.
+        design: Differences between the cases.
 
     Raises:
         StoreError: no sweep can have written one of the cases or rows.
     """
 
     def __init__(self, store: Store, kind: ReportKind) -> None:
-        self.store, self.kind = store, kind
-        self.cases, self.episodes = dict[int, Case](), dict[int, CaseEpisodes]()
-        self.unbegun = 0
-        for number, case in store.cases().items():
-            if row_type(case) is kind.row:
-                found = CaseEpisodes(kind, store.rows(number, kind.row))
-                if found.modes:
-                    self.cases[number], self.episodes[number] = case, found
-                else:
-                    self.unbegun += 1
+        self.path, self.kind = store.path, kind
+        found = {n: case for n, case in store.cases().items() if row_type(case) is kind.row}
+        episodes = {number: CaseEpisodes(kind, store.rows(number, kind.row)) for number in found}
+        self.episodes = {number: each for number, each in episodes.items() if each.modes}
+        self.cases = {number: found[number] for number in self.episodes}
+        self.unbegun, self.design = len(found) - len(self.cases), Design(self.cases)
         self._results: dict[CaseIds, Results] = {}
         self._paired: dict[tuple[ReportedMeasure, int, int], Interval | None] = {}
-
-    @cached_property
-    def design(self) -> Design:
-        """Design of the experiment, with the differences between its cases."""
-        return make_design(self.cases)
 
     def results(self, *case_ids: int) -> Results:
         """Return the pooled results of some cases."""
@@ -464,12 +412,10 @@ class Experiment:
                 first.seeds, second.seeds, assume_unique=True, return_indices=True
             )
             values = first.values[measure][both[0]] - second.values[measure][both[1]]
-            self._paired[key] = _difference(measure, values[~np.isnan(values)])
+            values = values[~np.isnan(values)]
+            self._paired[key] = (
+                paired_share_interval(np.sum(values > 0), np.sum(values < 0), len(values))
+                if measure is SUCCESS and len(values)
+                else mean_interval(values)
+            )
         return self._paired[key]
-
-
-def _difference(measure: ReportedMeasure, values: np.ndarray) -> Interval | None:
-    """Return the interval of the mean of some differences."""
-    if measure is SUCCESS and len(values):
-        return paired_share_interval(int((values > 0).sum()), int((values < 0).sum()), len(values))
-    return mean_interval(values)

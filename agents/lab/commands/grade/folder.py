@@ -45,6 +45,11 @@ RESULTS, PAGE = ".json", ".html"
 INDEX = "index"
 """Name of the page of a class, which no submission may have."""
 
+FOR_GRADERS = (
+    "This page is for graders. The page of each student is a single file, which does not link to "
+    "this one."
+)
+
 
 def grade_folder(
     folder: Path,
@@ -248,17 +253,24 @@ def _write_index(pages: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> P
     """Write the page of a class, which is for graders, and return its file."""
     from agents.lab.reports.page import write_template
 
-    lines = [
-        (_link(pages, row[NAME]), row[NAME], row[POINTS], row[LATE], row[FAILURE])
+    names = "submission", "points", "days late", "failure"
+    lines: list[tuple[str, ...]] = [
+        (_linked(pages, row[NAME]), row[POINTS], row[LATE], row[FAILURE])
         for row in _best_first(rows)
     ]
-    path, summary = pages / f"{INDEX}{PAGE}", summary_of(rows.values(), rubric)
+    path = pages / f"{INDEX}{PAGE}"
+    summary = [f"{line[:1].upper()}{line[1:]}." for line in summary_of(rows.values(), rubric)]
     write_template(
-        path, "grades.html", rubric.title, has_players=False, summary=summary, lines=lines
-    )
+        path, "table.html", rubric.title, has_players=False, summary=[*summary, FOR_GRADERS],
+        label="Submissions", table=TextTable(names, lines), replay=None,
+    )  # fmt: skip
     return path
 
 
-def _link(pages: Path, name: str) -> str:
-    """Return the link to the page of a submission, or "" if there is no page."""
-    return f"./{quote(f'{name}{PAGE}')}" if (pages / f"{name}{PAGE}").exists() else ""
+def _linked(pages: Path, name: str) -> str:
+    """Return a name with a link to the page of the submission, if there is one."""
+    from markupsafe import Markup
+
+    if not (pages / f"{name}{PAGE}").exists():
+        return name
+    return Markup('<a href="./{}">{}</a>').format(quote(f"{name}{PAGE}"), printable(name))

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from helpers.results_files import Cases, experiment_of, hall, outcomes, row
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import make_plan
@@ -25,15 +24,14 @@ from agents.lab.reports.figures import (
     pictures,
     roles_of,
     stuck_cells,
-    stuck_heat_map,
 )
-from agents.lab.reports.results import LONE, STEPS, SUCCESS, Experiment, make_design
+from agents.lab.reports.results import LONE, STEPS, SUCCESS, Design, Experiment
 from warehouse_core import DEFAULT_LAYOUT
 from warehouse_core.viz.figure import SceneFigure
 
 
 def roles(**choices: Any) -> list[Any]:
-    found = roles_of(make_design(dict(enumerate(make_plan(choices, 1, 0).cases))))
+    found = roles_of(Design(dict(enumerate(make_plan(choices, 1, 0).cases))))
     return [factor.name if factor else None for factor in (*found[:3], *found[3])]
 
 
@@ -108,23 +106,6 @@ def test_without_deliveries_or_differences_there_is_no_chart_of_a_measure() -> N
     assert written == {"79%": (0, pytest.approx(11 / 28)), "14%": (0, pytest.approx(13 / 14))}
 
 
-def test_only_some_of_many_values_are_shown_at_equal_distances(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(figures_module, "MAX_POINTS", 20)
-    cases = [
-        ({"battery": battery, "escape": escape}, outcomes("dw"))
-        for battery in range(1, 101)
-        for escape in (True, False)
-    ]
-    with experiment_of(cases) as experiment:
-        lines = middles(draw(experiment).axes[0])
-        caption = next(pictures(experiment)).caption
-    assert [len(places) for places, _ in lines] == [10, 10]
-    assert [round(place) for place in lines[0][0]] == [0, 11, 22, 33, 44, 55, 66, 77, 88, 99]
-    assert "; 10 of 100 values of battery." in caption
-
-
 @pytest.mark.parametrize("name", ["$x_{", "a very long name of a hall" * 3])
 def test_names_neither_overlap_nor_leave_the_figure_and_are_not_formulas(
     tmp_path: Path, name: str
@@ -192,18 +173,6 @@ def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
     assert "hall2.txt: number of episodes with each failure mode, out of 3 episodes," in maps[-1]
 
 
-# Heat maps.
-
-ROWS = ("######", "#....#", "#..#.#", "#....#", "######")
-
-
-def counts(*places: tuple[int, int, int]) -> NDArray[np.int64]:
-    grid = np.zeros((len(ROWS), len(ROWS[0])), dtype=np.int64)
-    for at_row, col, count in places:
-        grid[at_row, col] = count
-    return grid
-
-
 @pytest.fixture
 def store(tmp_path: Path) -> Iterator[Store]:
     with Store(tmp_path / "r.sqlite") as opened:
@@ -226,10 +195,3 @@ def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:
     assert stuck["wandering"][3, 3] == 1
     assert stuck["wandering"].sum() == 4
     assert stuck["unreachable"].sum() == stuck["unreachable"][1, 1] == 1
-
-
-def test_a_panel_of_a_heat_map_has_its_mode_its_count_and_its_share() -> None:
-    stuck = {"wandering": counts((1, 2, 900), (3, 3, 100)), "stalled": counts((1, 1, 1))}
-    figure = stuck_heat_map(ROWS, stuck, 4000)
-    titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert [each for each in titles if each] == ["wandering: 1,000 (25.0%)", "stalled: 1 (0.0%)"]

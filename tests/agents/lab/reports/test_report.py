@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from helpers.command_line import Refused, Warehouse
-from helpers.results_files import experiment_of, fill, outcomes
+from helpers.results_files import fill, outcomes
 from helpers.sweeps import Here, run_missing
 
 from agents.lab.experiments.plan import make_plan
@@ -96,8 +96,8 @@ def test_invalid_results_and_outputs_are_errors(
 
 
 def page_of(*cases: Any) -> Page:
-    with experiment_of(cases) as experiment:
-        return make_page(experiment.store)
+    with Store(fill(Path("page.sqlite"), cases), read_only=True) as store:
+        return make_page(store)
 
 
 def test_a_long_table_ends_with_the_number_of_further_combinations(
