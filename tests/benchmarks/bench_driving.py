@@ -244,9 +244,6 @@ def test_robots_alone_are_nearly_as_fast_as_force_and_speed_allow(
     assert ratios.max() <= MAX_ALONE
 
 
-MAX_STEPS, LATE = 1200, 100_000
-
-
 RANDOM_PLANS = int(os.environ.get("WAREHOUSE_PLANS", "100"))
 FAST = RobotSpec.fast()
 FAULT_SPECS = (

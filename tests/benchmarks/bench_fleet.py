@@ -177,22 +177,6 @@ def towards_goals(arrays: Any, mask: np.ndarray, stream: np.random.Generator) ->
     return np.where(mask[:, PICK], PICK, np.where(mask[:, DROP], DROP, moves))
 
 
-@pytest.mark.parametrize("fleets", [512, 4096])
-def test_a_batch_of_fleets_with_orders(fleets: int, times_faster) -> None:
-    """Orders must not take more time than everything else in a step."""
-    stream = np.random.default_rng(0)
-    actions = stream.integers(0, 7, (CYCLE, 2 * fleets))
-    batches = [FleetBatch(fleets, orders=orders, max_steps=MAX_STEPS) for orders in (0.1, None)]
-
-    def step(batch: FleetBatch) -> None:
-        for chosen in actions:
-            batch.step(chosen)
-
-    for batch in batches:
-        batch.reset(seed=1)
-    assert times_faster(lambda: step(batches[0]), lambda: step(batches[1])) >= 0.4
-
-
 def test_memory_of_ten_million_robot_steps(measured) -> None:
     """The fleet has orders, chargers and people, and a new episode begins every thousand steps."""
     layout, robots, steps = Layout(LAYOUT.rows[:40]), 1000, 10_000

@@ -20,7 +20,7 @@ from helpers.physics_truth import (
     straight_queue,
     winding_queue,
 )
-from helpers.rigid_bodies import STEPS, batch_in
+from helpers.rigid_bodies import batch_in
 
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, WarehouseEnv, random_layout
 from warehouse_core.world import benchmark_warehouse
@@ -29,7 +29,6 @@ from warehouse_physics import RigidBodyMotion, RobotSpec, stepping
 MOVES = 2_000
 """Number of moves in a round of a measurement."""
 
-FLEET = 200
 BATCH_STEPS = 4
 """Minimum number of steps of a batch in a round; small batches take more, up to ``MOVES`` moves."""
 
@@ -84,26 +83,6 @@ def test_moves_a_second_against_the_bare_space(layout, record_path, least, times
     assert ratio >= least
 
 
-def test_a_large_fleet_against_the_bare_space(times_faster) -> None:
-    layout, stream = random_layout(24, 24, 0.1, seed=2), random.Random(1)
-    motion = RigidBodyMotion(record_path=False)
-    ranks = stream.sample(range(len(layout.open_cells)), FLEET)
-    motion.reset(layout, [layout.open_cell(rank) for rank in ranks], 0)
-    substeps = 0
-
-    def advance() -> None:
-        nonlocal substeps
-        moves, loaded = stream.choices(STEPS, k=FLEET), stream.choices([False, True], k=FLEET)
-        seconds = max(outcome.seconds for outcome in motion.advance(moves, loaded))
-        substeps = round(seconds / motion.spec.time_step)
-
-    def bare() -> None:
-        for _ in range(substeps):
-            motion._arena.space.step(motion.spec.time_step)
-
-    assert times_faster(advance, bare) >= 0.4
-
-
 @pytest.mark.parametrize(("rows", "least"), MIN_RATIOS.items())
 def test_moves_a_second_of_a_batch_against_one_environment(rows, least, times_faster) -> None:
     """The target is a ratio of 4 with 256 rows."""
@@ -116,17 +95,6 @@ def test_moves_a_second_of_a_batch_against_one_environment(rows, least, times_fa
         lambda: [env.step(action) for action in actions],
     )
     assert ratio >= least
-
-
-def test_a_row_of_a_large_batch_costs_as_much_as_a_row_of_256(times_faster) -> None:
-    batches = [batch_in([DEFAULT_LAYOUT] * rows) for rows in (4096, 256)]
-    moves, empty = np.random.default_rng(0).integers(0, 4, 4096), np.zeros(4096, bool)
-    large, small = batches
-    ratio = times_faster(
-        lambda: large.advance(moves, empty),
-        lambda: [small.advance(each, empty[:256]) for each in moves.reshape(16, 256)],
-    )
-    assert ratio >= 1 / 1.2
 
 
 LARGE = benchmark_warehouse(6, 30, 8, 2, 2)

@@ -1,25 +1,20 @@
 """Planners for several robots: plans, goals and times, compared with bounds and other programs.
 
-Some comparisons need more than the extra bench. ``PYPIBT`` names the folder of pypibt's repository.
 ``MOVINGAI_DATA`` names a folder with a subfolder for each map, as unpacked from
 movingai.com/benchmarks/mapf. A subfolder has the map and its scenarios, of which the first random
 one is used.
 """
 
-import importlib
 import os
 import time
 from dataclasses import replace
 from math import inf
 from pathlib import Path
 from statistics import median
-from typing import Any
 
 import numpy as np
 import pytest
-from helpers.fleet_truth import big_warehouse
 from helpers.mapf_problems import random_problem as drawn_problem
-from helpers.mapf_problems import random_problems
 from helpers.mapf_turns import turning_conflict
 from helpers.mapf_validator import plan_conflict
 
@@ -35,17 +30,14 @@ from agents.lab.commands.planners.runs import (
     scenario_problem,
 )
 from agents.mapf.anytime import solve_anytime
-from agents.mapf.cbs import ConflictTree, solve_cbs
+from agents.mapf.cbs import ConflictTree
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Graph
 from agents.mapf.guidance import lane_costs, learned_costs
 from agents.mapf.lacam import lacam
 from agents.mapf.lifelong import run_lifelong
-from agents.mapf.pibt import PIBT
-from agents.mapf.planner import NO_CELLS, Situation
-from agents.mapf.problem import Problem
 from agents.registry import PLANNERS
-from warehouse_core import Layout, random_layout
+from warehouse_core import random_layout
 from warehouse_core.compiled import IS_COMPILED
 from warehouse_core.world.moves import EAST
 
@@ -184,37 +176,6 @@ def test_plans_of_robots_with_headings(robots: int, measured) -> None:
     assert median(times) < 10 * median(plain)
 
 
-def cost_of_pymapf(problem: Problem) -> int | None:
-    """Return the sum of costs of pymapf's plan, or ``None`` if it finds none in time."""
-    from pymapf import Agent, ConflictBasedSearch, GridMap, MAPFProblem
-
-    layout = problem.graph.layout
-    grid = GridMap([[tile == "#" for tile in row] for row in layout.rows])
-    ends = zip(problem.starts, problem.goals, strict=True)
-    pairs = [(divmod(start, layout.width), divmod(goal, layout.width)) for start, goal in ends]
-    agents = [Agent(str(number), start, goal) for number, (start, goal) in enumerate(pairs)]
-    solver = ConflictBasedSearch(max_expansions=10**9, time_limit=5.0)
-    solution = solver.solve(MAPFProblem(grid, agents))
-    return None if solution is None else solution.sum_of_costs
-
-
-def test_costs_equal_the_costs_of_pymapf(measured) -> None:
-    """The problems are random; pymapf has 5 s for each, and our planner has 20 s."""
-    equal = undecided = 0
-    for problem in random_problems(2_000, seed=7, max_robots=6):
-        cost = cost_of_pymapf(problem)
-        if cost is None:
-            undecided += 1
-            continue
-        plan = solve_cbs(problem, 20.0)
-        assert plan.sum_of_costs == cost, (problem.graph.layout.rows, problem.starts, problem.goals)
-        equal += 1
-        if equal == 200:
-            break
-    what = "problems with up to 6 robots and the same costs as with pymapf"
-    measured(what, f"{equal} of {equal}; pymapf did not solve {undecided} more in 5 s")
-
-
 @pytest.mark.parametrize(("robots", "walls"), [(20, 10), (40, 20)])
 def test_seconds_of_conflict_based_search(robots: int, walls: int, measured) -> None:
     """The layouts have 32 x 32 connected cells with some walls inside a border."""
@@ -231,78 +192,3 @@ def test_seconds_of_conflict_based_search(robots: int, walls: int, measured) -> 
         f"CPU seconds of CBS, {robots} robots on 25 layouts like random-32-32-{walls}",
         f"median {median(times):.3f}, worst {max(times):.2f}; {late} without a plan in 20 s",
     )
-
-
-def draw(layout: Layout, robots: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return random starts and goals."""
-    stream = np.random.default_rng(0)
-    cells, goals = (stream.permutation(layout.open_cells)[:robots] for _ in range(2))
-    return cells, goals
-
-
-def seconds_of(planner: PIBT, cells: np.ndarray, goals: np.ndarray) -> list[float]:
-    """Return the CPU time of each of 40 steps in seconds."""
-    nobody, times = np.zeros(len(cells), np.bool_), []
-    for _ in range(40):
-        start = time.process_time()
-        cells = planner.next_cells(Situation(cells, goals, nobody, NO_CELLS))
-        times.append(time.process_time() - start)
-    return times
-
-
-def seconds_of_pypibt(planner: Any, cells: list[Any]) -> float:
-    """Return the CPU time of 40 steps of pypibt in seconds, with its own update of priorities."""
-    priorities = [
-        table.get(cell) / table.table.size
-        for table, cell in zip(planner.dist_tables, cells, strict=True)
-    ]
-    start = time.process_time()
-    for _ in range(40):
-        cells = planner.step(cells, priorities)
-        priorities = [
-            priority + 1 if cell != goal else priority % 1
-            for priority, cell, goal in zip(priorities, cells, planner.goals, strict=True)
-        ]
-    return time.process_time() - start
-
-
-@pytest.mark.parametrize("robots", [400, 1_000])
-def test_decisions_per_second(robots: int, measured, monkeypatch) -> None:
-    """Both programs begin with the same starts and goals, and with all distances computed."""
-    monkeypatch.syspath_prepend(os.environ["PYPIBT"])
-    pypibt = importlib.import_module("pypibt")
-    layout = random_layout(64, 64, 0.1, 1)
-    cells, goals = draw(layout, robots)
-    is_open = np.zeros((64, 64), np.bool_)
-    is_open.flat[layout.open_cells] = True
-    starts, ends = ([divmod(cell, 64) for cell in each.tolist()] for each in (cells, goals))
-    theirs, ours = pypibt.PIBT(is_open, starts, ends), PIBT(Graph(layout))
-    for table in theirs.dist_tables:
-        for cell in layout.open_cells.tolist():
-            table.get(divmod(cell, 64))
-    seconds_of(ours, cells, goals)
-    pairs = [
-        (sum(seconds_of(ours, cells, goals)), seconds_of_pypibt(theirs, starts)) for _ in range(7)
-    ]
-    rates = [robots * 40 / min(column) for column in zip(*pairs, strict=True)]
-    measured(
-        f"decisions of PIBT per second of CPU time, {robots:,} robots",
-        f"{rates[0]:,.0f}; pypibt {rates[1]:,.0f}; ratio {rates[0] / rates[1]:.1f}",
-    )
-    assert rates[0] >= 3 * rates[1]
-
-
-def test_a_step_of_ten_thousand_robots(measured) -> None:
-    layout = big_warehouse()
-    cells, goals = draw(layout, 10_000)
-    planner = PIBT(Graph(layout))
-    start = time.process_time()
-    planner.next_cells(Situation(cells, goals, np.zeros(10_000, np.bool_), NO_CELLS))
-    first, times = time.process_time() - start, seconds_of(planner, cells, goals)
-    measured(
-        "a step of PIBT, 10,000 robots, 140 x 500 cells",
-        f"{np.median(times):.3f} s of CPU time, at most {max(times):.3f} s; "
-        f"the first {first:.1f} s; distance fields {planner.fields.matrix.nbytes / 1e6:.0f} MB",
-    )
-    assert np.median(times) < 0.1
-    assert first < 5

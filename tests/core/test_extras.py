@@ -10,8 +10,6 @@ from warehouse_core.extras import install_command
     [
         ("physics", ["pymunk"]),
         ("rl", ["sb3-contrib", "stable-baselines3"]),
-        ("bench", ["minigrid", "pymapf"]),
-        ("fleet", ["pettingzoo"]),
         ("fast", ["numba"]),
     ],
 )

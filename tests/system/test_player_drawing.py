@@ -145,27 +145,6 @@ def test_a_body_has_a_chassis_a_drive_arrows_a_brake_light_and_skid_marks(
     assert share("force", (0.8, -0.05, 0.2, 0.1), 2) > 0.4
 
 
-def test_the_trail_is_where_the_robot_was_and_nowhere_else(
-    opened: Open, files: Files, track: Track
-) -> None:
-    page = opened(files("seen", lambda: [dataclasses.replace(track, view_radius=None)]))
-    rows, steps = track.frames[0].tiles, 6
-    inner = [(row, col) for row in range(1, len(rows) - 1) for col in range(1, len(rows[0]) - 1)]
-    shares = []
-    for step in (0, steps):
-        page.seek(step)
-        shares.append(page.shares("floor", [cell(*place) for place in inner]))
-    poses = [pose for frame in track.frames[: steps + 1] for pose in frame.robots if pose]
-    visited = {(int(y), int(x)) for x, y in (pose.at for pose in poses)}
-    assert len(visited) >= 6
-    for (row, col), before, after in zip(inner, *shares, strict=True):
-        away = min(max(abs(row - other), abs(col - at)) for other, at in visited)
-        if not away:
-            assert after < 0.97, (row, col)
-        elif away > 1:
-            assert after == before, (row, col)
-
-
 def simple(frames: list[Frame], **changes: object) -> Track:
     """Return a track of frames, without metrics."""
     return dataclasses.replace(Track(frames, {}), **changes)  # type: ignore[arg-type]
@@ -249,25 +228,6 @@ def test_the_map_next_to_a_fleet_has_the_cells_in_which_robots_were_held_up(
     assert page.part("map").get_attribute("aria-label") == (
         "Robots were held up most often at row 0, column 2: 1 time"
     )
-
-
-def test_held_up_robots_are_shown_on_all_floors_when_asked_for(opened: Open, files: Files) -> None:
-    one = simple(list(fleet_frames()), held_up=[(1, (0, 2)), (2, (0, 2))], title="one")
-    page = opened(files("maps", lambda: [one, dataclasses.replace(one, title="other")]))
-    page.seek(2)
-    cells = [cell(row, col) for row in range(4) for col in range(8)]
-    without, picture = page.shares("floor", cells), page.pictures()
-    assert without[2] > 0.8
-    boxes = page.page.get_by_role("checkbox")
-    boxes.first.check()
-    assert [box.is_checked() for box in boxes.all()] == [True, True]
-    assert page.page.get_by_role("region", name="Fleet: other").is_visible()
-    found = page.shares("floor", cells)
-    assert found[2] < 0.05
-    # A neighbouring cell may lose a line of pixels.
-    assert found[:2] + found[3:] == pytest.approx(without[:2] + without[3:], abs=0.03)
-    boxes.first.uncheck()
-    assert page.pictures() == picture
 
 
 def test_marks_have_the_colour_of_their_time(opened: Open, files: Files) -> None:
@@ -383,19 +343,6 @@ def test_an_order_that_waits_leaves_the_letter_of_its_pickup(
     (before, nothing), (after, box) = shares
     assert before == after > 0.02
     assert nothing == 0 < box
-
-
-def test_a_small_letter_is_not_written_under_a_robot(opened: Open, files: Files) -> None:
-    rows = ("P" + "." * 10 + "D", *["." * 12] * 5)
-    frames = [Frame(rows, (Pose((0.5 + step, 0.5), None, False),), float(step)) for step in (0, 1)]
-    path = files("letters", lambda: [simple(frames)])
-    for width, found in ((360, [{"D", "R"}, {"P", "D", "R"}]), (1366, [{"P", "D", "R"}] * 2)):
-        page = opened(path, viewport={"width": width, "height": 768})
-        for step, letters in enumerate(found):
-            page.seek(step)
-            written = texts(page)
-            assert {*written} == letters
-            assert min(written.values()) >= 11
 
 
 @pytest.mark.parametrize("count", [2, 4, 5])

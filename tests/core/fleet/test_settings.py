@@ -39,8 +39,6 @@ ORDER = Order(0, 9, (0, 0), (0, 3))
         ),
         ({"orders": []}, TypeError, r"^orders are \[\]; allowed: .*, with at least one$"),
         ({"orders": [ORDER, OrderStream()]}, TypeError, r"^orders are \[Order\(.*; allowed"),
-        ({"orders": ORDER}, TypeError, r"^orders are Order\("),
-        ({"orders": "orders.csv"}, TypeError, "^orders are 'orders.csv'; allowed"),
         (
             {"orders": [ORDER._replace(pickup=(1, 0))]},
             OrderError,
@@ -82,13 +80,9 @@ def fleet() -> FleetEnv:
         (np.zeros((2, 1), int), ValueError, r"^actions have the shape \(2, 1\)"),
         ({0: "N", 2: "N"}, ValueError, r"^an action for robot 2; allowed: 0..1$"),
         ({0: "N", 1: "N", "1": "N"}, ValueError, "^an action for robot '1'"),
-        ({0: "N", -1: "N"}, ValueError, "^an action for robot -1"),
         ({1: "N"}, ValueError, "^robot 0 has no action; every robot that has not ended needs one$"),
         ("NE", TypeError, "^actions are 'NE'; allowed: a sequence, an array or a mapping$"),
-        (3, TypeError, "^actions are 3; allowed"),
-        ({"N", "E"}, TypeError, "^actions are {'"),
         (["N", 1.0], TypeError, r"^action 1.0 is float; allowed: one of N, E,"),
-        (np.array([0.0, 1.0]), TypeError, "is float64; allowed"),
     ],
 )
 def test_bad_actions_change_nothing(
@@ -104,12 +98,8 @@ def test_bad_actions_change_nothing(
     ("call", "error", "message"),
     [
         (lambda fleet: fleet.reset(seed=-1), ValueError, "^seed is -1"),
-        (lambda fleet: fleet.reset(seed="1"), TypeError, "^seed is '1'"),
         (lambda fleet: fleet.observe(2), ValueError, "^robot is 2; it must be at most 1$"),
-        (lambda fleet: fleet.observe(-1), ValueError, "^robot is -1; it must be at least 0$"),
-        (lambda fleet: fleet.observe("0"), TypeError, "^robot is '0'"),
         (lambda fleet: fleet.assign(2, 0), ValueError, "^robot is 2"),
-        (lambda fleet: fleet.assign(0, "1"), TypeError, "^order is '1'; it must be an integer$"),
         (lambda fleet: fleet.assign(0, 2), OrderError, "^order 2 cannot be assigned to robot 0: 2"),
         (lambda fleet: fleet.assign(0, -1), OrderError, "^order -1 cannot be assigned"),
     ],

@@ -199,9 +199,7 @@ def test_a_step_after_the_end_raises_until_a_reset() -> None:
     ("action", "error", "message"),
     [
         (7, ValueError, r"action 7 is out of range; allowed: 0\.\.6"),
-        (-1, ValueError, "action -1 is out of range"),
         (1.0, TypeError, r"action 1\.0 is float; allowed: an integer 0\.\.6"),
-        ("N", TypeError, "action 'N' is str"),
         ([1], TypeError, r"action \[1\]"),
     ],
     ids=repr,

@@ -32,7 +32,6 @@ NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
 ONLY_BATCH = ("num_envs", "autoreset_mode", "max_episode_steps")
 
 over_forms = pytest.mark.parametrize("form", FORMS)
-over_modes = pytest.mark.parametrize("mode", MODES)
 allow_fork = pytest.mark.filterwarnings("ignore:This process .* is multi-threaded")
 """Python 3.12 warns of each fork in a process with threads; NumPy starts some."""
 

@@ -2,12 +2,10 @@ import numpy as np
 import pytest
 
 from warehouse_core import random_layout
-from warehouse_core.motion.grid import GridMotion, nominal_joules
+from warehouse_core.motion.grid import GridMotion
 from warehouse_core.world.actions import DISPLACEMENTS
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
-
-STANDING = nominal_joules(0.5, moving=False)
 
 
 @pytest.mark.parametrize(("floors", "robots"), [(3, 1), (3, 6), (1, 6), (1, 12)])

@@ -4,27 +4,23 @@ from typing import Any
 import pytest
 
 from warehouse_core import OrderStream
-from warehouse_core.orders.order import MAX_ORDERS, OrderQueue
+from warehouse_core.orders.order import OrderQueue
 
 
 @pytest.mark.parametrize(
     ("settings", "error", "message"),
     [
         ({"rate": -0.1}, ValueError, r"^rate is -0.1; it must be at least 0 and finite$"),
-        ({"rate": "1"}, ValueError, "^rate is '1'; it must be a number$"),
         ({"start": -1}, ValueError, "^start is -1; it must be at least 0$"),
         ({"start": 2**31}, ValueError, "^start is 2147483648; it must be at most 2147483647$"),
-        ({"start": True}, TypeError, "^start is True; it must be an integer$"),
         ({"due": (5, 4)}, ValueError, r"^due is \(5, 4\); it must be fewest and most steps"),
         ({"due": (-1, 4)}, ValueError, r"^due is \(-1, 4\)"),
         ({"due": (0, 2**31)}, ValueError, r"^due is \(0, 2147483648\)"),
         ({"due": 5}, TypeError, r"^due is 5; it must be two integers \(fewest, most\)$"),
-        ({"pickup_weights": 5}, TypeError, "^pickup_weights is 5; it must be a tuple of numbers$"),
         ({"pickup_weights": "12"}, TypeError, "^pickup_weights is '12'; it must be a tuple"),
         ({"pickup_weights": (1, -1)}, ValueError, r"^pickup_weights\[1\] is -1; it must be"),
         ({"dropoff_weights": (math.nan,)}, ValueError, r"^dropoff_weights\[0\] is nan"),
         ({"dropoff_weights": (0, 0)}, ValueError, r"^dropoff_weights is \(0, 0\); their sum must"),
-        ({"dropoff_weights": ()}, ValueError, r"^dropoff_weights is \(\); their sum must"),
         ({"pickup_weights": (1e308, 1e308)}, ValueError, "their sum must be above 0 and finite$"),
     ],
 )
@@ -34,9 +30,3 @@ def test_a_stream_names_what_is_wrong(settings: Any, error: Any, message: str) -
     if not {"rate", "start"} & set(settings):
         with pytest.raises(error, match=message):
             OrderQueue(3, **settings)
-
-
-@pytest.mark.parametrize("size", [0, MAX_ORDERS + 1])
-def test_a_queue_has_a_size_within_its_limits(size: int) -> None:
-    with pytest.raises(ValueError, match=f"^size is {size}; it must be at"):
-        OrderQueue(size)

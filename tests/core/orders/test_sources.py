@@ -80,14 +80,11 @@ def test_listed_orders_come_in_order_of_release() -> None:
         ({"dropoff": (1, 3)}, OrderError, "order 1: dropoff row 1, column 3 is charger; a charger"),
         ({"pickup": (1, 3)}, OrderError, "order 1: pickup row 1, column 3 is charger; a charger"),
         ({"pickup": [0, 4]}, OrderError, "order 1: pickup and dropoff are both"),
-        ({"pickup": "P"}, TypeError, r"order 1: pickup is 'P'; it must be two integers \(row"),
         ({"released": 10}, OrderError, "order 1: released at 10 and due at 9; needed: 0 <= "),
         ({"released": -1}, OrderError, "order 1: released at -1 and due at 9"),
         ({"due": 2**31}, OrderError, "order 1: released at 0 and due at 2147483648"),
-        ({"due": 9.0}, TypeError, r"order 1: due is 9\.0; it must be an integer"),
         ({"robot": 2}, OrderError, r"order 1: robot 2; allowed: 0\.\.1, or none"),
         ({"robot": -1}, OrderError, "order 1: robot -1"),
-        ({"robot": True}, TypeError, "order 1: robot is True; it must be an integer"),
     ],
 )
 def test_an_order_names_what_is_wrong(changes: Any, error: Any, message: str) -> None:

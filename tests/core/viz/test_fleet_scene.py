@@ -1,13 +1,10 @@
 """The pixels and texts of a fleet's scene."""
 
-from pathlib import Path
-
 import pytest
 from helpers.fleets import SHELVES, fleet_episode
 from helpers.pictures import count_color, patch, pixels, replay_of, texts
-from PIL import Image
 
-from warehouse_core import FleetEpisode, Layout, save_frames_to_svg, shelf_layout
+from warehouse_core import FleetEpisode, Layout, shelf_layout
 from warehouse_core.render.palette import COLORS, PAPER
 from warehouse_core.viz.replay import replay_of_tracks
 from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track
@@ -65,14 +62,3 @@ def test_fleets_are_shown_beside_each_other(episode: FleetEpisode) -> None:
     assert ends == ["seed 5", "seed 6"]
     replay.show_still()
     assert any(text.endswith(": 5 delivered, 80 steps") for text in texts(replay))
-
-
-def test_a_fleet_is_saved_as_gif_and_svg(tmp_path: Path) -> None:
-    episode = fleet_episode(max_steps=3)
-    replay_of(episode).save(tmp_path / "fleet.gif")
-    with Image.open(tmp_path / "fleet.gif") as image:
-        assert image.n_frames == 4  # type: ignore[attr-defined]
-    save_frames_to_svg(episode, tmp_path / "one")
-    names = [path.name for path in sorted((tmp_path / "one").iterdir())]
-    assert names == [*(f"frame_{frame:04d}.svg" for frame in range(4)), "legend.svg"]
-    assert b"orders delivered" not in (tmp_path / "one" / names[0]).read_bytes()

@@ -51,10 +51,6 @@ def maps(scene: Scene) -> list[Axes]:
     return [axes for axes in scene.root.axes if axes.get_aspect() == 1]
 
 
-def charts(scene: Scene, title: str) -> list[Axes]:
-    return [axes for axes in scene.root.axes if title in axes.get_title(loc="left")]
-
-
 def test_a_grid_and_a_continuous_track_have_one_clock_in_seconds(
     grid: Track, physics: Track
 ) -> None:
@@ -75,15 +71,6 @@ def test_the_faster_one_waits_at_its_end_with_its_verdict(grid: Track, physics: 
     assert not tallies(scene)[1].startswith("Delivered")
     scene.show(len(scene) - 1)
     assert tallies(scene)[1] == "Delivered: 23 steps, 49.8 s, 1,764 J"
-
-
-def test_two_tracks_on_the_grid_advance_by_steps(grid: Track) -> None:
-    short = track_of_record(run_episode(seed=12, max_steps=4))
-    scene = Scene([grid, short], make_figure)
-    assert len(scene) == len(grid)
-    scene.show(len(scene) - 1)
-    assert [text.split(":")[0] for text in tallies(scene)] == ["Delivered", "Out of time"]
-    assert "step 23" in texts(scene)
 
 
 def test_frames_without_a_clock_advance_by_steps_beside_a_continuous_track(physics: Track) -> None:
@@ -107,21 +94,6 @@ def test_maps_have_one_cell_size_and_their_upper_edges_in_line(
         ]
         assert sides[0] == pytest.approx(sides[1])
         assert one.get_window_extent().y1 == pytest.approx(other.get_window_extent().y1)
-
-
-@pytest.mark.parametrize("order", [1, -1])
-def test_charts_have_the_same_scales_in_seconds(grid: Track, physics: Track, order: int) -> None:
-    worse = dataclasses.replace(grid, metrics=grid.metrics | {"rewards": [-2.0] * len(grid)})
-    scene = Scene([worse, physics][::order], make_figure)
-    rewards, [energy] = charts(scene, "Reward"), charts(scene, "Energy")
-    for one, other in (rewards, rewards[::-1]):
-        assert one.get_ylim() == other.get_ylim()
-        assert one.get_xlim() == other.get_xlim()
-        assert one.get_window_extent().y0 == pytest.approx(other.get_window_extent().y0)
-    assert rewards[0].get_ylim()[0] < -2.0 * len(grid)
-    assert rewards[0].get_ylim()[1] > 12.7
-    assert rewards[0].get_xlim()[1] > 49.7
-    assert {axes.get_xlabel() for axes in (*rewards, energy)} == {"seconds"}
 
 
 def boxes(scene: Scene) -> Iterator[Any]:

@@ -32,7 +32,7 @@ from agents.lab.commands.compare_fleets import (
     score_of,
     table_of,
 )
-from warehouse_core import FleetEpisode, Layout, shelf_layout
+from warehouse_core import FleetEpisode, shelf_layout
 from warehouse_core.motion.base import Contact
 
 SMALL = (
@@ -108,7 +108,6 @@ def test_a_robot_that_fails_stops_forever() -> None:
 # Worlds.
 
 STOP = 30.0
-LINE = Layout(["P....D"])
 LAYOUT = shelf_layout(1, 2, aisle=2, pickups=2, dropoffs=2, chargers=1, seed=1)
 SETTING = Setting(LAYOUT, 3, "pibt", 0.2, 5, 0.05, STOP)
 
