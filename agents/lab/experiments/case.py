@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 from agents.errors import AgentError, EpisodeError, reason_of
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, wants_dispatch
+from agents.lab.console.terminal import print_error
 from agents.lab.console.watch import slow_reported
 from agents.lab.parameters import (
     FLEET,
@@ -38,7 +39,6 @@ from agents.lab.place import RANDOM, Stations, check_stations, default_stations,
 from agents.lab.runs.programs import fingerprint, program_for
 from agents.lab.runs.run import run
 from agents.lab.trials.rows import AnyRow, FleetRow, Row, row_of
-from agents.lab.trials.workers import line_printer
 from agents.registry import agent_file, agent_module, make_agent, make_fleet_agent, make_team
 from warehouse_core import (
     Agent,
@@ -293,10 +293,10 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
         check_fingerprint(case)
     except EpisodeError as error:
         return Done(perf_counter() - start, rows, program, str(error))
-    file, seed, print_line = agent_file(director_of(case)), seeds[0], line_printer()
+    file, seed = agent_file(director_of(case)), seeds[0]
 
     def report_slow(seconds: float, line: str) -> None:
-        print_line(f"{about(case, seed)} has run for {seconds:g} s{line}")
+        print_error(f"{about(case, seed)} has run for {seconds:g} s{line}")
 
     try:
         with slow_reported(lambda: seed, SLOW_SECONDS, file, report_slow):

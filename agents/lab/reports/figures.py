@@ -36,6 +36,7 @@ from agents.lab.reports.results import (
     ReportedMeasure,
     Results,
 )
+from agents.lab.trials.figure import reach
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, Interval
 from agents.lab.trials.rows import MODES_OF
 from warehouse_core.records import failure_modes as modes
@@ -351,11 +352,10 @@ def _draw_line(
     key: Any = None
     look: dict[str, Any] = {"color": SERIES[number], "linewidth": 1.6}
     if points:
-        middle, low, high = zip(*points.values(), strict=True)
-        reach = np.subtract(middle, low), np.subtract(high, middle)
+        middle = [each.estimate for each in points.values()]
         key = axes.errorbar(
-            list(points), middle, reach, fmt=MARKERS[number], capsize=3, markersize=5,
-            linestyle=line, **look,
+            list(points), middle, reach(points.values()), fmt=MARKERS[number], capsize=3,
+            markersize=5, linestyle=line, **look,
         )  # fmt: skip
     if everywhere:
         key = axes.axhline(everywhere.estimate, linestyle=(0, (5, 2)), **look)

@@ -19,12 +19,8 @@ from types import FrameType
 from typing import Any, TypeVar
 
 from agents.errors import WorkerError
-from agents.lab.console.terminal import print_error
 
 DEFERRED = (signal.SIGINT, signal.SIGTERM)
-
-LOOK_SECONDS = 0.001
-"""Seconds between two checks for the exit code of a process that has ended."""
 
 ENDING_SECONDS = 5.0
 """Seconds after which a process that was asked to end, or has closed its connection, is killed."""
@@ -34,9 +30,6 @@ CheckInterrupt = Callable[[], None]
 
 T = TypeVar("T")
 Group = TypeVar("Group")
-
-_parent: Connection[Any, Any] | None = None
-"""Connection of a worker process to the process that started it; ``None`` in other processes."""
 
 
 @contextmanager
@@ -87,8 +80,8 @@ class Processes(ThreadPoolExecutor):
 
     A thread for each process waits for its results. If a process ends, only the call that it was
     running fails, with an error that says how the process ended, and the process is replaced. All
-    processes end with their parent. Lines that a call prints appear while it runs. A process that
-    needs more than ``seconds`` for a call is ended; ``None`` is no limit.
+    processes end with their parent. A process that needs more than ``seconds`` for a call is ended;
+    ``None`` is no limit.
 
     A ``ProcessPoolExecutor`` has none of these properties. There, one process that ends makes every
     call fail, and processes outlive a parent that is killed.
@@ -131,31 +124,20 @@ class _Process:
         self._process: BaseProcess | None = None
 
     def run(self, call: Callable[[], Any]) -> Any:
-        """Run a call in the process, print the lines that it sends, and return its result."""
+        """Run a call in the process, and return its result."""
         if self._process is None:
             self._start()
         try:
             self._connection.send(call)
-            until = time.monotonic() + (self._seconds or 0.0)
-            while isinstance(answer := self._answer(until), str):
-                print_error(answer)
+            if not self._connection.poll(self._seconds):
+                self.close()
+                raise WorkerError(f"its process was ended after {self._seconds:,.0f} s")
+            result, error = self._connection.recv()
         except (EOFError, OSError):
             raise WorkerError(self._reason()) from None
-        result, error = answer
         if error is not None:
             raise error
         return result
-
-    def _answer(self, until: float) -> Any:
-        """Return what the process sends, or end the process and raise ``WorkerError``."""
-        if self._seconds is not None and not self._connection.poll(
-            max(until - time.monotonic(), 0.0)
-        ):
-            with self._lock:
-                self._end()
-                self._process = None
-            raise WorkerError(f"its process was ended after {self._seconds:,.0f} s")
-        return self._connection.recv()
 
     def terminate(self) -> None:
         """Ask the process to end, and do not start another one."""
@@ -164,19 +146,20 @@ class _Process:
             if self._process is not None:
                 self._process.terminate()
 
-    def close(self) -> None:
-        """Wait for the end of the process, and kill it if it does not end in time."""
+    def close(self) -> int:
+        """Wait for the end of the process, kill it if it does not end in time, return its code."""
         with self._lock:
-            if self._process is not None:
-                self._end()
-
-    def _end(self) -> None:
-        """Ask the process to end what it has started and itself, and kill it after some time."""
-        assert self._process is not None, "it has been started"
-        self._process.terminate()
-        self._process.join(ENDING_SECONDS)
-        self._process.kill()
-        self._process.join()
+            if self._process is None:
+                return 0
+            self._process.terminate()
+            self._process.join(ENDING_SECONDS)
+            self._process.kill()
+            self._process.join()
+            # Another thread that starts a process may be about to collect the exit code.
+            while (code := self._process.exitcode) is None:
+                time.sleep(0.001)
+            self._process = None
+            return code
 
     def _start(self) -> None:
         # Spawned on every system, because a fork of a process that has threads may hang.
@@ -192,15 +175,9 @@ class _Process:
 
     def _reason(self) -> str:
         """Return a description of how the process has ended."""
-        with self._lock:
-            assert self._process is not None, "it has run a call"
-            self._process.join(ENDING_SECONDS)
-            self._process.kill()  # in case an agent has only closed its files
-            self._process.join()
-            # Another thread that starts a process may be about to collect the exit code.
-            while (code := self._process.exitcode) is None:
-                time.sleep(LOOK_SECONDS)
-            self._process = None
+        if self._process is not None:
+            self._process.join(ENDING_SECONDS)  # unless an agent has only closed its files
+        code = self.close()
         if code >= 0:
             return f"its process ended with exit code {code}"
         why = ", perhaps because memory ran out" if code == -signal.SIGKILL else ""
@@ -209,8 +186,6 @@ class _Process:
 
 def _work(parent: Connection[Any, Any]) -> None:
     """Run the calls that the parent process sends, and end when it ends, however it ends."""
-    global _parent
-    _parent = parent
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _interrupt)
     threading.Thread(target=_end_with_parent, daemon=True).start()
@@ -242,11 +217,6 @@ def _end_with_parent() -> None:
     os.kill(os.getpid(), signal.SIGTERM)
     time.sleep(ENDING_SECONDS)
     os._exit(1)
-
-
-def line_printer() -> Callable[[str], None]:
-    """Return a function that prints a line, in a worker by sending it to the parent process."""
-    return print_error if _parent is None else _parent.send
 
 
 def run_trials(

@@ -1,40 +1,18 @@
-"""The figures that compare agents: marks, intervals, failures, and the message above them."""
+"""The figures that compare agents: points, intervals and agents without deliveries."""
 
-import pytest
 from helpers.results_files import BAD, GOOD, scores_of
 
-from agents.lab.trials.figure import message, scores_figure
-from agents.lab.trials.rows import Row
-
-SLOW = GOOD._replace(steps=30)
+from agents.lab.trials.figure import scores_figure
 
 
-def test_an_agent_without_deliveries_has_a_text_instead_of_a_mark() -> None:
-    figure = scores_figure({"": {"one": scores_of([BAD] * 3)}})
+def test_each_measure_has_a_point_with_its_interval_or_the_words_no_delivery() -> None:
+    figure = scores_figure({"": {"one": scores_of([BAD] * 3), "two": scores_of([GOOD] * 30)}})
     figure.pixels()
-    assert [len(axes.patches) for axes in figure.axes] == [2, 0, 0, 1, 0, 0]
-    words = [[text.get_text() for text in axes.texts] for axes in figure.axes[1:]]
-    assert words == [["no delivery"], ["no delivery"], [], ["no delivery"], ["no delivery"]]
-
-
-@pytest.mark.parametrize(
-    ("scores", "said"),
-    [
-        ({"a": [BAD] * 2}, "No agent delivered in 2 episodes"),
-        ({"a": [GOOD]}, "All 1 delivered by a, at 20 steps per delivery"),
-        (
-            {"a": [BAD] * 3, "b": [SLOW, SLOW, SLOW], "c": [GOOD, GOOD, BAD], "d": [GOOD] * 3},
-            "All 3 delivered by b and d, at 20 to 30 steps per delivery",
-        ),
-        (
-            {"a": [BAD] * 2, "b": [GOOD, BAD]},
-            "Most, 1 of 2, delivered by b, at 220 steps per delivery",
-        ),
-        (
-            dict.fromkeys("abcde", [GOOD] * 2),
-            "All 2 delivered by 5 agents, at 20 steps per delivery",
-        ),
-    ],
-)
-def test_the_message_is_computed_from_the_scores(scores: dict[str, list[Row]], said: str) -> None:
-    assert message({name: scores_of(runs) for name, runs in scores.items()}) == said
+    assert [len(axes.containers) for axes in figure.axes] == [2, 1, 1, 2, 1, 1]
+    words = [[text.get_text() for text in axes.texts] for axes in figure.axes]
+    assert words == [[], ["no delivery"], ["no delivery"], [], ["no delivery"], ["no delivery"]]
+    [first, second] = figure.axes[0].containers
+    assert (first[0].get_xdata()[0], first[0].get_ydata()[0]) == (0, 0)
+    assert (second[0].get_xdata()[0], second[0].get_ydata()[0]) == (1, 1)
+    [ends] = second[2][0].get_segments()
+    assert 0.8 < ends[0][0] < ends[1][0] == 1

@@ -68,12 +68,14 @@ def test_the_picture_has_a_line_for_each_planner_and_its_interval() -> None:
     bound = {8: Interval(2.0), 16: Interval(4.0)}
     figure = curves_figure({"$a$": curve, BOUND: bound}, "T", "goals", BOUND)
     [axes] = figure.axes
-    assert [list(line.get_ydata()) for line in axes.get_lines()] == [[1.0, 1.5], [2.0, 4.0]]
-    intervals = axes.collections[0].get_segments()
+    [curve] = axes.containers
+    assert list(curve[0].get_ydata()) == [1.0, 1.5]
+    assert list(axes.get_lines()[-1].get_ydata()) == [2.0, 4.0]
+    intervals = curve[2][0].get_segments()
     assert [each[:, 1].tolist() for each in intervals] == [[0.9, 1.1], [1.4, 1.7]]
     words = axes.get_legend().get_texts()
     assert [(text.get_text(), text.get_parse_math()) for text in words] == [
-        ("$a$", False), (BOUND, False),
+        (BOUND, False), ("$a$", False),
     ]  # fmt: skip
 
 
