@@ -313,13 +313,6 @@ def test_a_trained_agent_needs_a_file(word: str, tmp_path: Path) -> None:
         assert refusal(f"{word}:{other}") == line
 
 
-def test_a_file_of_another_kind_of_agent_is_an_error(network_file: Path, table_file: Path) -> None:
-    for word, file in (("ppo", table_file), ("q", network_file)):
-        message = refusal(f"{word}:{file}")
-        assert message.startswith(f"{file}: ")
-        assert message.endswith(f"; agent {word} needs what 'warehouse train {word}' saves")
-
-
 def test_the_package_exports_the_agents() -> None:
     assert agents.__all__ == sorted(agents.__all__)
     for name in agents.__all__:
@@ -331,19 +324,3 @@ def test_the_package_exports_the_agents() -> None:
 def test_importing_the_package_imports_no_agent(tmp_path: Path) -> None:
     program = "import sys, agents; print([name for name in sys.modules if 'agents.' in name])"
     assert in_a_process("-c", program, folder=tmp_path).out == "[]\n"
-
-
-def test_a_path_with_an_equals_sign_is_not_split(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    source = "class Mine:\n    def __init__(self, x=1): self.x = x\n"
-    source += "    def reset(self): pass\n    def act(self, observation): return 'WAIT'\n"
-    for name in ("a=b/my.py", "c:a=b.py"):
-        Path(name).parent.mkdir(exist_ok=True)
-        Path(name).write_text(source)
-        assert make_agent(name).x == 1
-        assert make_agent(f"{name}:x=3").x == 3
-        assert make_agent(f"{name}:Mine:x=3").x == 3
-    with pytest.raises(AgentError, match=r"agent file C:.a=b.my\.py: there is no such file"):
-        make_agent("C:\\a=b\\my.py")

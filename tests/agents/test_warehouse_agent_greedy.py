@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from agents.warehouse_agent_greedy import GreedyAgent, open_moves
+from agents.warehouse_agent_greedy import GreedyAgent, distance, distance_after, open_moves
 from warehouse_core import Cell, Observation, WarehouseEnv, record_episode
 
 OPEN = ["...", ".R.", "..."]
@@ -35,6 +35,11 @@ def chosen(agent: GreedyAgent, *observations: Observation) -> list[tuple[str, st
 
 
 # One step.
+
+
+def test_distances_are_manhattan_distances() -> None:
+    assert distance((1, 2), (4, 0)) == distance((4, 0), (1, 2)) == 5
+    assert [distance_after(move, (2, 2), (0, 4)) for move in "NESW"] == [3, 3, 5, 5]
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,7 @@
-import gc
 import inspect
 import math
 import subprocess
 import sys
-from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -207,20 +205,6 @@ def test_a_window_is_closed_by_q_and_opened_by_show(monkeypatch: pytest.MonkeyPa
     assert plt.get_fignums() == []
 
 
-def test_the_keys_of_matplotlib_are_disabled_in_the_window() -> None:
-    import matplotlib.pyplot as plt
-
-    plt.switch_backend("agg")
-    replay = replay_animation(short_episode(), window=True)
-    assert replay is not None
-    axes = replay.figure.axes[1]
-    replay.figure.canvas.draw()
-    # Each of these keys would rescale the chart under the mouse.
-    press(replay, "l", "k", at=axes.transAxes.transform((0.5, 0.5)))
-    assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "linear")
-    plt.close("all")
-
-
 def test_a_toolkit_that_cannot_open_a_window_is_no_display(monkeypatch: pytest.MonkeyPatch) -> None:
     import matplotlib.pyplot as plt
 
@@ -308,23 +292,6 @@ def test_a_failure_leaves_the_frames_before_it_and_no_part(
     with pytest.raises(OSError, match="No space left"):
         svg_folder(tmp_path)
     assert sorted(contents(tmp_path)) == FRAME_FILES[:2]
-
-
-def test_more_frames_take_no_more_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    frames = [["R..", ".P."], [".R.", ".P."]] * 12
-    blocks = dict[int, int]()
-    save_svg, numbers = figures.save_svg, count()
-
-    def measured(figure: Any, path: Path, dpi: float) -> None:
-        save_svg(figure, path, dpi)
-        if (number := next(numbers)) in (7, 23):  # because a collection takes long
-            gc.collect()
-            blocks[number] = sys.getallocatedblocks()
-
-    monkeypatch.setattr(figures, "save_svg", measured)
-    save_frames_to_svg(frames, tmp_path)
-    # Keeping one of the sixteen drawn frames would take thousands of blocks.
-    assert blocks[23] - blocks[7] < 5000
 
 
 def test_frames_and_legend_have_the_colours_of_the_chapter() -> None:

@@ -174,20 +174,6 @@ def test_waiting_takes_the_dwell_and_costs_idle_power() -> None:
 # Bumps.
 
 
-@over_specs
-@over_loads
-def test_a_robot_penetrates_a_wall_by_at_most_its_path_in_a_substep(spec, loaded) -> None:
-    for displacement in MOVES:
-        outcome = bump(spec, displacement, loaded, path_every=1)
-        middle = spec.cell_size / 2
-        depth = np.abs(outcome.path[:, 1:3] - middle).max() + spec.radius - middle
-        speed = np.hypot(*velocities(outcome).T).max()
-        assert depth <= speed * spec.time_step
-        assert [contact.counterpart for contact in outcome.contacts] == ["wall"]
-        if spec == RobotSpec():
-            assert depth <= 0.01
-
-
 def test_a_hit_is_where_and_when_the_body_met_the_wall() -> None:
     outcome = bump(RobotSpec(), WEST)
     contact = outcome.contacts[0]

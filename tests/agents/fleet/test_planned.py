@@ -5,7 +5,7 @@ import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ from agents.mapf.guidance import lane_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner, Situation, check_step
 from agents.mapf.windows import WindowedPlanner
-from agents.registry import make_fleet_agent, make_planner
+from agents.registry import make_fleet_agent
 from warehouse_core import (
     FleetEnv,
     FleetEpisode,
@@ -153,14 +153,6 @@ def test_an_item_is_delivered_before_charging_if_the_battery_lasts(battery: int,
     assert planner.seen[-1].goals.tolist() == [goal]
 
 
-def test_an_order_for_one_robot_stays_with_it() -> None:
-    orders = [Order(0, 99, (0, 0), (0, 9), 1), Order(0, 99, (0, 7), (0, 9))]
-    env = fleet_of(LINE, 2, orders=orders, starts=[(0, 1), (0, 8)], max_steps=3)
-    episode = record_fleet_episode(env, PlannedFleet(Does(), "hungarian"), seed=1)
-    assert episode.assignments == [(0, 0, 1)]
-    assert env.order_of == [1, 0]
-
-
 def test_a_robot_takes_no_order_for_which_its_battery_does_not_last() -> None:
     env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 8)], battery=130)
     for battery, order in (78, None), (79, 0):  # 8 + 9 steps, and 6 to the charger
@@ -180,15 +172,6 @@ def test_orders_that_nobody_can_reach_wait() -> None:
     env = fleet_of(split, 2, orders=orders, starts=[(0, 1), (0, 5)], max_steps=3)
     record_fleet_episode(env, PlannedFleet(Does()), seed=1)
     assert env.order_of == [2, 1]
-
-
-def test_a_fleet_without_orders_delivers_an_item_each() -> None:
-    env = fleet_of(ROOM, 2, orders=None, starts=[(2, 2), (2, 4)], max_steps=80)
-    planner = Does(cast(Planner, make_planner("pibt", 1, ROOM)).next_cells)
-    episode = record_fleet_episode(env, PlannedFleet(planner), seed=1)
-    assert episode.measures.delivered == 1  # it stays on the dropoff
-    first = int(np.flatnonzero(episode.terminated)[0])
-    assert planner.seen[-1].stays[first]  # a robot that has ended stays
 
 
 def test_robots_without_a_task_leave_stations_and_stay_elsewhere() -> None:

@@ -16,7 +16,6 @@ from warehouse_core.fleet import Battery
 from warehouse_core.fleet.observation import FleetObservation
 from warehouse_core.records.recorder import record_fleet_episode, replay_fleet_episode
 from warehouse_core.world.actions import WAIT
-from warehouse_core.world.named_layouts import named_layout
 
 ROOM = Layout(["########", "#P....P#", "#......#", "#D....D#", "########"])
 MINE = """
@@ -199,19 +198,6 @@ def test_more_robots_than_chargers_go_earlier_but_none_with_enough() -> None:
     assert hall(8, battery=100).reserve((2, 3)) == ENOUGH * 100
 
 
-def test_two_robots_take_two_chargers_and_the_next_goes_on_until_one_is_free() -> None:
-    site = hall(3, battery=400)
-    pilots = [Pilot(Noting(), site, random.Random(1)) for _ in range(3)]
-    low = seen(battery=20)
-    for pilot in pilots:
-        pilot.act(low)
-    goals = [pilot._agent.seen[-1]["pickup_pos"] for pilot in pilots]  # type: ignore[attr-defined]
-    assert goals == [(1, 5), (3, 5), (1, 1)]
-    pilots[1].act(seen(robot_pos=(3, 5), battery=400))
-    pilots[2].act(low)
-    assert pilots[2]._agent.seen[-1]["pickup_pos"] == (3, 5)  # type: ignore[attr-defined]
-
-
 def test_a_robot_without_an_order_waits_but_leaves_stations_and_goes_to_charge() -> None:
     pilot, agent = make_pilot()
     idle = {"pickup_pos": None, "dropoff_pos": None}
@@ -244,13 +230,3 @@ def test_a_robot_that_cannot_move_gives_way_after_some_steps() -> None:
     assert actions == [WEST] * PATIENCE + [0, WEST]
     agent.action = "WAIT"  # a robot that waits has not failed
     assert {pilot.act(seen()) for _ in range(PATIENCE + 2)} == {WAIT}
-
-
-def test_greedy_robots_deliver_without_flat_batteries_where_chargers_suffice() -> None:
-    depot = named_layout("depot")
-    env = FleetEnv(depot, 6, orders=OrderStream(0.04), max_steps=800, battery=300)
-    measures = record_fleet_episode(env, make_team("greedy", 6, 1, depot), seed=1).measures
-    env.close()
-    assert measures.stranded == 0
-    assert measures.charging > 100
-    assert measures.delivered > 0.8 * measures.orders > 20

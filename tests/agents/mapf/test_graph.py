@@ -125,15 +125,6 @@ def test_crowds_keep_out_of_cells_that_are_closed_now_and_then(
             assert graph.closed.isdisjoint(paths[:, 1:][moves].tolist())
 
 
-def test_circulations_on_a_graph_with_costs_of_turns_know_of_closed_cells() -> None:
-    graph, cells = Graph(Layout(["...", ".#.", "..."]), None, 2.0), np.array([0])
-    planner = Circulation(graph)
-    for step in range(8):
-        graph.close(frozenset([1]) if step else frozenset())
-        cells = planner.next_cells(situation(cells, [2] if step else [0]))
-    assert cells.tolist() == [2]
-
-
 @pytest.mark.parametrize("cost", [1.5, 30_000.0])
 def test_distances_on_lanes_count_in_tenths_of_a_step(cost: float) -> None:
     layout = Layout(["....", "..#."])

@@ -19,7 +19,6 @@ from agents.mapf.lacam import lacam, lacam_star, with_turns
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import solve_by_steps
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
 
 HOUR = 3600.0
@@ -76,12 +75,6 @@ def test_robots_that_are_at_their_goals_need_no_step() -> None:
         assert (plan.cells.tolist(), plan.headings.tolist()) == ([[2, 0]], [[0, 3]])
 
 
-def test_planners_of_steps_solve_problems_of_robots_with_headings() -> None:
-    problem = headed(random_problem(random_layout(10, 10, 0.1, 2), 6, 2))
-    plan = solve_by_steps(WindowedPlanner(problem.graph), problem, HOUR)
-    assert turning_conflict(problem, plan) is None
-
-
 @pytest.mark.parametrize(
     ("solve", "name"),
     [
@@ -110,18 +103,6 @@ def test_solvers_without_headings_refuse_them(solve, name: str) -> None:
 def test_invalid_headings_are_refused(headings: list[int], words: str) -> None:
     with pytest.raises(PlanError, match=words):
         Problem(Graph(Layout(["..."])), [0, 1], [2, 0], headings=headings)
-
-
-def test_the_validator_of_turns_finds_faults() -> None:
-    problem = Problem(Graph(Layout(["..."])), [0], [1], headings=[1])
-    for cells, headings, words in (
-        ([[0], [1]], [[1], [1]], None),
-        ([[0], [1]], [[0], [0]], "begin"),
-        ([[0], [0], [1]], [[1], [3], [1]], "no step leads"),
-        ([[0], [0]], [[1], [1]], "end"),
-    ):
-        found = turning_conflict(problem, Plan(np.array(cells), headings=np.array(headings)))
-        assert found is words is None or words in found
 
 
 @pytest.mark.parametrize(

@@ -30,8 +30,6 @@ from warehouse_core.world.generators import random_layout
 
 DELIVERIES = 200
 
-ONES = Prices(1.0, 1.0, 1.0, 1.0)
-
 
 # The move table.
 
@@ -181,19 +179,3 @@ def test_a_cell_that_is_not_open_is_an_error(kind: Any, cells: dict[str, Any], w
 
 
 # The validator.
-
-
-@pytest.mark.parametrize(
-    ("plan", "error"),
-    [
-        ("E PICK E DROP", None),
-        ("E PICK E DROP W", "drops at [3] of 5 actions"),
-        ("PICK E E DROP", "0: nothing to pick on (0, 0)"),
-        ("E PICK DROP", "2: nothing to drop on (0, 1)"),
-        ("E PICK N S E DROP", "2: 'N' leaves the grid"),
-        ("E PICK E S N DROP", "3: 'S' hits a wall"),
-    ],
-)
-def test_the_validator_finds_errors_of_deliveries(plan: str, error: str | None) -> None:
-    case = Case(["...", "..#"], (0, 0), False, [(0, 1)], [(0, 2)], ONES)
-    assert case.replay(tuple(plan.split())).errors == ([] if error is None else [error])

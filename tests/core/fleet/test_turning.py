@@ -12,77 +12,14 @@ from warehouse_core.fleet import FleetBatch
 from warehouse_core.motion.base import BaseMotion
 from warehouse_core.task import rules
 from warehouse_core.world.moves import TURN_ACTIONS
-from warehouse_core.world.tiles import Cell
 
 FORWARD, RIGHT, LEFT, WAIT, PICK, DROP = range(6)
-AHEAD = ((-1, 0), (0, 1), (1, 0), (0, -1))
-"""Displacement of FORWARD for each heading, clockwise from north."""
 
 
 def begun(*args: Any, **settings: Any) -> FleetEnv:
     fleet = FleetEnv(*args, moves="turn", **settings)
     fleet.reset(seed=1)
     return fleet
-
-
-class Model:
-    """The simplest implementation of the rules of robots with headings."""
-
-    def __init__(self, layout: Layout, cells: list[Cell]) -> None:
-        self.layout, self.cells, self.headings = layout, cells, [1] * len(cells)
-
-    def step(self, actions: list[int]) -> list[bool]:
-        """Carry out actions, and return flags of the blocked robots."""
-        goals, cells = list(self.cells), self.cells
-        for robot, action in enumerate(actions):
-            row, col = cells[robot]
-            down, right = AHEAD[self.headings[robot]]
-            if action == FORWARD:
-                goals[robot] = row + down, col + right
-            elif action in (RIGHT, LEFT):
-                by = 1 if action == RIGHT else -1
-                self.headings[robot] = (self.headings[robot] + by) % 4
-        tries = [goal != cell for goal, cell in zip(goals, cells, strict=True)]
-        walled = [not self.layout.is_open(goal) for goal in goals]
-        stays = list(walled)
-        for one, goal in enumerate(goals):
-            for other in range(len(cells)):
-                if one != other and tries[one] and tries[other] and not walled[other]:
-                    stays[one] |= goals[other] == goal
-                    stays[one] |= goals[other] == cells[one] and goal == cells[other]
-        while True:
-            at_rest = {cells[i] for i in range(len(cells)) if stays[i] or not tries[i]}
-            caught = [i for i, goal in enumerate(goals) if tries[i] and not stays[i]]
-            caught = [i for i in caught if goals[i] in at_rest]
-            if not caught:
-                break
-            for robot in caught:
-                stays[robot] = True
-        self.cells = [cell if stay else goal
-                      for cell, goal, stay in zip(cells, goals, stays, strict=True)]  # fmt: skip
-        return [each and stay for each, stay in zip(tries, stays, strict=True)]
-
-
-@pytest.mark.parametrize("robots", [3, 14, 60])
-def test_random_steps_are_those_of_the_model(robots: int) -> None:
-    stream, starts = np.random.default_rng(robots), np.random.default_rng(1)
-    layout = Layout(["." * 10] * 8) if robots > 40 else SHELVES
-    cells = [layout.open_cell(int(n)) for n in starts.permutation(len(layout.open_cells))[:robots]]
-    fleet, model = (
-        begun(layout, robots, starts=cells, max_steps=300, battery=300),
-        Model(layout, cells),
-    )
-    assert fleet.headings == model.headings
-    met = 0
-    for _ in range(250):
-        # Half of the moves are forward, so that robots meet.
-        actions = np.where(stream.random(robots) < 0.5, FORWARD, stream.integers(4, size=robots))
-        free = fleet.step(actions)[4]["motion"]["stopped_by"]
-        blocked = model.step(actions.tolist())
-        assert (fleet.cells, fleet.headings) == (model.cells, model.headings)
-        assert (free != -1).tolist() == blocked
-        met += int((free >= 0).sum())
-    assert met > 20
 
 
 def test_turns_cost_what_moves_cost_and_do_not_count_as_distance_or_waits() -> None:

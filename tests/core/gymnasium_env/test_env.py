@@ -6,8 +6,6 @@ tests run with all versions of Gymnasium from 1.0 on, and skip features that 1.0
 
 import copy
 import pickle
-import subprocess
-import sys
 from typing import Any, ClassVar
 from unittest.mock import Mock
 
@@ -22,7 +20,7 @@ from gymnasium.wrappers import (
     TimeAwareObservation,
     TimeLimit,
 )
-from helpers.gymnasium_envs import CORRIDOR, NAME, ROOM, make, plain, same, walk
+from helpers.gymnasium_envs import CORRIDOR, ROOM, make, plain, same, walk
 
 from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout
 from warehouse_core.errors import NoDisplayError
@@ -72,17 +70,6 @@ def test_a_window_is_a_mode_where_there_may_be_a_display(
     monkeypatch.setattr("sys.platform", platform)
     assert plain().metadata["render_modes"] == modes
     assert WarehouseGymnasiumEnv.metadata["render_modes"] == ["human", "rgb_array", "ansi"]
-
-
-def test_a_program_that_imports_only_gymnasium_finds_the_name() -> None:
-    program = f"""
-import gymnasium
-env = gymnasium.make("{NAME}", layout=["P.D"])
-assert gymnasium.spec("{ID}").entry_point == "{NAME.split(":")[0]}:WarehouseGymnasiumEnv"
-print(env.reset(seed=0)[0]["robot_pos"].tolist()[0])
-"""
-    done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True)
-    assert (done.stdout.strip(), done.stderr) == (b"0", b"")
 
 
 @over_forms
@@ -265,20 +252,6 @@ def test_invalid_options_raise_and_change_nothing(
     with pytest.raises(error, match=message):
         env.reset(seed=5, options=options)
     assert pickle.dumps(env) == before
-
-
-def test_a_picture_shows_the_layout_and_where_the_robot_is() -> None:
-    env = plain(layout=ROOM, randomize=False, render_mode="rgb_array", tile_pixels=10)
-    env.reset()
-    before = env.render()
-    assert (before.shape, before.dtype) == ((40, 50, 3), np.uint8)
-    env.step(EAST)
-    after = env.render()
-    cells = (before != after).reshape(4, 10, 5, 10, 3).any(axis=(1, 3, 4))
-    assert np.argwhere(cells).tolist() == [[1, 1], [1, 2]]
-    assert not np.shares_memory(after, env.render())
-    env.reset(options={"layout": Layout(["#####", "#.PD#", "#...#", "#####"])})
-    assert (env.render() != before).any()
 
 
 def test_rendering_without_a_mode_warns() -> None:

@@ -26,12 +26,11 @@ from warehouse_core.render.painter import (
     paint_once,
     tile_pixels_for,
 )
-from warehouse_core.render.palette import BATTERY, COLORS, FAINT, ICE, ICE_WAVE, INK, PAPER, WARNING
+from warehouse_core.render.palette import BATTERY, COLORS, FAINT, ICE, ICE_WAVE, WARNING
 from warehouse_core.world.tiles import CELL_CODES
 
 YARD = Layout(["#####", "#P.D#", "#.PC#", "#####"])
 SIDES = (2, 3, 9, 10, 15, 16, 20, 40)
-WITH_LETTERS = tuple(side for side in SIDES if side >= 16)
 
 
 def where(image: NDArray[np.uint8], color: tuple[float, float, float]) -> NDArray[np.bool_]:
@@ -63,20 +62,6 @@ def test_an_unknown_code_raises(code: int) -> None:
 
 
 # Cells.
-
-
-@pytest.mark.parametrize("side", WITH_LETTERS)
-def test_stations_have_a_letter_in_the_top_left_corner(side: int) -> None:
-    for tile in "PDC":
-        image = atlas(side)[CODES[tile, NO_ROBOT]]
-        inner = image[round(0.06 * side) :, round(0.06 * side) :]
-        rows, columns = np.nonzero(where(inner, PAPER))
-        assert 1 <= rows.min() <= 0.13 * side
-        assert 1 <= columns.min() <= 0.13 * side
-        assert rows.max() - rows.min() + 1 == max(6, round(0.73 * 0.22 * side))
-        assert columns.max() < 0.5 * side
-        outline = np.nonzero(where(inner, INK))
-        assert outline[0].max() > rows.max(), "a letter has a dark outline"
 
 
 @pytest.mark.parametrize("side", SIDES)
@@ -142,35 +127,6 @@ def test_the_fast_path_paints_the_same(side: int) -> None:
         if not loaded:
             codes[codes == CODES["P", NO_ROBOT]] = CODES["P", WAITING_ITEM]
         assert np.array_equal(painter.picture(layout, robot, loaded), painter.paint(codes))
-
-
-def test_a_fleet_and_people_are_painted_on_what_they_stand_on() -> None:
-    robots, people = [((1, 1), False), ((2, 1), True), ((1, 3), True)], [(2, 3), (1, 2), (2, 2)]
-    signs = {(1, 1): "R", (2, 1): "r", (1, 3): "r", (2, 3): "H", (1, 2): "H", (2, 2): "H"}
-    codes = layout_codes(YARD)
-    for (row, col), sign in signs.items():
-        codes[row, col] = CODES[YARD.rows[row][col], sign]
-    painter = TilePainter(20)
-    painted = painter.fleet_picture(YARD, robots, people)
-    assert np.array_equal(painted, painter.paint(codes))
-    assert np.array_equal(painter.fleet_picture(YARD, []), painter.paint(layout_codes(YARD)))
-
-
-@pytest.mark.parametrize("side", [4, 9, 20])
-def test_a_nose_shows_where_a_robot_heads(side: int) -> None:
-    painter, robot = TilePainter(side), [((1, 1), False)]
-    plain, yard = painter.fleet_picture(YARD, robot), painter.fleet_picture(YARD, [])
-    for heading, quarters in enumerate([0, -1, -2, -3]):
-        nosed = painter.fleet_picture(YARD, robot, (), [heading])
-        changed = (nosed != plain).any(axis=-1)
-        rows, cols = np.nonzero(changed[side : 2 * side, side : 2 * side])
-        assert changed.sum() == len(rows) > 0
-        ahead = ((side - 1) / 2 - rows, cols - (side - 1) / 2)[heading % 2] * (1 - heading // 2 * 2)
-        assert (ahead > 0.3 * side - 0.5).all()
-        turned = np.rot90(changed[side : 2 * side, side : 2 * side], -quarters)
-        north = (painter.fleet_picture(YARD, robot, (), [0]) != plain).any(axis=-1)
-        assert np.array_equal(turned, north[side : 2 * side, side : 2 * side])
-    assert np.array_equal(painter.fleet_picture(YARD, []), yard)
 
 
 def test_a_picture_is_a_new_array() -> None:

@@ -6,7 +6,6 @@ import pytest
 from helpers.pictures import pixels, press, replay_of, short_episode, texts
 from matplotlib.animation import PillowWriter
 
-from agents.run_episode import run_episode
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.viz.replay import Replay
 
@@ -95,16 +94,6 @@ def test_a_replay_of_one_frame_can_be_paused_and_stepped() -> None:
     tick(replay, 2)
     assert replay.frame == 0
     assert "step 0 of 0" in texts(replay)
-
-
-def test_v_hides_and_shows_the_arrows_of_bodies() -> None:
-    replay = replay_of(run_episode(backend="physics", seed=12, max_steps=2))
-    replay.go_to(3)
-    with_arrows = pixels(replay)
-    press(replay, "v")
-    assert (pixels(replay) != with_arrows).any()
-    press(replay, "v")
-    assert (pixels(replay) == with_arrows).all()
 
 
 def test_a_replay_may_go_to_a_frame_before_it_is_drawn() -> None:

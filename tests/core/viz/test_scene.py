@@ -15,21 +15,6 @@ from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
 
 
-def test_the_action_and_its_reason_are_the_largest_words() -> None:
-    replay = replay_of(short_episode(reasons=["x " * 150, *["why"] * 5]))
-    for frame in (1, 2):
-        replay.go_to(frame)
-        replay.figure.pixels()
-        (said,) = [
-            t for t in replay.figure.texts if t.get_text().startswith(("North: x", "West: why"))
-        ]
-        width = said.get_window_extent().x1
-        assert width <= replay.figure.bbox.x1
-    others = [text for axes in replay.figure.axes for text in axes.texts]
-    sizes = [text.get_fontsize() for text in (*replay.figure.texts, *others) if text is not said]
-    assert said.get_fontsize() > 1.3 * max(sizes)
-
-
 @pytest.mark.parametrize(("height", "width"), [(1, 1), (1, 120), (120, 1), (60, 60)])
 def test_a_layout_of_any_shape_fits_into_the_picture(height: int, width: int) -> None:
     rows = ["." * width] * height

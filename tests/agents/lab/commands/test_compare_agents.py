@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import Refused, Warehouse, write_mine
+from helpers.command_line import Warehouse, write_mine
 from PIL import Image
 
 from agents.lab.commands import compare_agents
@@ -34,13 +34,6 @@ def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(
     assert "none" not in "".join(line for line in lines if "A*" in line)
 
 
-def test_only_bodies_have_seconds_and_joules(warehouse: Warehouse) -> None:
-    for backend, has_bodies in (("grid", False), ("physics", True)):
-        words = warehouse(*SMALL, "--agent", "astar", "--backend", backend).out.split()
-        heads = words[: words.index("Steps,")]
-        assert ("joules" in heads, "seconds" in heads) == (has_bodies, has_bodies)
-
-
 def test_given_agents_are_compared_once_each_with_their_arguments(
     warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -65,18 +58,6 @@ def test_the_options_set_the_start_and_the_stations(
         assert warehouse(*SMALL, "--layout", "hall.txt", *words).code == 0
     places = list(dict.fromkeys((task.start_pos, task.randomize) for task in tasks))
     assert places == [(None, "start"), ((0, 1), False), (None, True)]
-
-
-def test_an_agent_that_fails_is_a_one_line_error_with_its_seed_and_step(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    write_mine("act", "raise ValueError('too far')", "'N'")
-    line = refused(*SMALL, "--seed", 6, "--agent", "mine.py:Mine")
-    assert line == "seed 6, step 4, agent mine.py:Mine: ValueError: too far (mine.py, line 9)"
-    ran = []
-    monkeypatch.setattr(compare_agents, "evaluate_watched", lambda *_: ran.append(1))
-    assert "no class 'Yours'" in refused(*SMALL, "--agent", "mine.py:Yours")
-    assert not ran
 
 
 def test_the_figure_is_saved_even_if_the_output_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:

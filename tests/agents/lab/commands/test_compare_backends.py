@@ -1,7 +1,3 @@
-import re
-from pathlib import Path
-
-import pytest
 from helpers.command_line import Warehouse
 
 from agents.lab.commands.compare_backends import comparison_table, first_difference
@@ -29,34 +25,6 @@ def test_a_single_backend_is_compared_with_the_grid(warehouse: Warehouse) -> Non
     assert "driving" not in out
     assert "Both visit different cells." in out
     assert "names grid twice" in warehouse(*words, "--backend", "grid").err
-
-
-def test_a_replay_of_own_code_is_named_after_its_file(
-    warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("a=b").mkdir()
-    source = "from warehouse_core.motion.grid import GridMotion\nclass Mine(GridMotion): pass\n"
-    Path("a=b", "mine.py").write_text(source)
-    words = ("compare", "backends", "--backend", "a=b/mine.py:Mine", "--seed", 3, "--max-steps", 1)
-    assert "saved compare-GreedyAgent-grid-mine-3.gif" in warehouse(*words).out
-
-
-def test_compare_keeps_the_stations_of_a_file(warehouse: Warehouse, tmp_path: Path) -> None:
-    (tmp_path / "room.txt").write_text("P..D\n")
-    words = (
-        "compare",
-        "backends",
-        "--layout",
-        tmp_path / "room.txt",
-        "--start",
-        "0,1",
-        "--seed",
-        1,
-    )
-    out = warehouse(*words, "--no-show").out
-    assert out.count("delivered") == 3
-    assert re.search(r"steps +\u2502 +6 \u2502 +6 ", out)
 
 
 def test_slippery_cells_are_for_the_backends_with_bodies(warehouse: Warehouse) -> None:

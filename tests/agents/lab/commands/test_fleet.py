@@ -13,10 +13,8 @@ from PIL import Image
 
 from agents.fleet.optimum import Optimum
 from agents.lab.commands.fleet import fleet as module
-from agents.lab.commands.fleet.fleet import find_orders
 from agents.lab.commands.fleet.report import LINES, diagnosis, share_of_possible, verdict
 from agents.lab.commands.fleet.report import measures_table as table
-from agents.lab.console.values import parse_battery
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEpisode, Order, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
@@ -84,19 +82,6 @@ def test_orders_come_from_a_file(warehouse: Warehouse) -> None:
     assert [order.due for order in FleetEpisode.load("shift.npz").orders] == [90, 90]
 
 
-def test_several_shifts_have_means_and_the_first_is_saved(warehouse: Warehouse) -> None:
-    out = warehouse(*SMALL, "-n", 2, "--save", "shift.npz").out
-    assert "seeds 5 to 6" in out
-    assert "Intervals need at least 20 episodes." in out
-    assert FleetEpisode.load("shift.npz").seed == 5
-    distances = []
-    for seed in (5, 6):
-        warehouse(*SMALL[:-1], seed, "--save", "one.npz")
-        distances.append(FleetEpisode.load("one.npz").measures.distance)
-    [row] = [row for row in out.splitlines() if "distance" in row]
-    assert float(row.split("\u2502")[2]) == pytest.approx(sum(distances) / 2, rel=0.005)
-
-
 def test_shifts_are_compared_with_what_was_possible(warehouse: Warehouse) -> None:
     save_orders("orders.csv", [Order(0, 60, (2, 5), (11, 5)), Order(0, 9, (2, 5), (11, 5))])
     teams = "--agent", "greedy"
@@ -139,18 +124,6 @@ def test_orders_and_measures_of_all_shifts_are_written_as_tables(warehouse: Ware
     assert titles == printed - {"measure"} == {line.title for line in LINES}
 
 
-def test_bodies_measure_seconds_and_joules(warehouse: Warehouse) -> None:
-    rates = "--max-steps", 30, "--order-rate", 1
-    out = warehouse(*SMALL, *rates, "--backend", "physics", "-o", "a.csv", "-o", "a.npz").out
-    measures = FleetEpisode.load("a.npz").measures
-    [row] = csv.DictReader(Path("a-measures.csv").read_text(encoding="utf-8").splitlines())
-    assert float(row["simulated time (s)"]) == measures.seconds > 30
-    assert measures.delivered
-    joules = float(row["energy per delivery (kJ)"]) * 1000
-    assert joules == pytest.approx(measures.joules_per_delivery)
-    assert "saved a.csv" in out
-
-
 def test_what_was_not_measured_is_an_empty_field(warehouse: Warehouse) -> None:
     out = warehouse(*SMALL, "--order-rate", 0, "--save", "none.csv").out
     assert "no display" not in out, "a table is saved, so no window is wanted"
@@ -185,17 +158,6 @@ def test_the_verdict_and_the_diagnosis_say_what_went_wrong() -> None:
     assert verdict([nothing], 8) == "0 of 1 order delivered; no robot ran out of battery or failed."
     half = [measured(delivered=2, on_time=1.0), measured(delivered=0, on_time=nan)]
     assert "2 of 40 orders delivered, 100% of them on time" in verdict(half, 20)
-
-
-def test_an_agent_that_fails_is_named_after_what_has_been_measured(warehouse: Warehouse) -> None:
-    write_mine("act", "raise ValueError('too far')", "'N'")
-    done = warehouse(*SMALL, "--order-rate", 1, "--agent", "mine.py:Mine", "--save", "a.npz")
-    assert done.code == 1
-    assert "not finished" in " ".join(done.out.split())
-    failure = r"agent mine.py:Mine: ValueError: too far \(mine.py, line 9\)"
-    found = re.fullmatch(rf"warehouse: seed 5, step (\d+), robot \d, {failure}\n", done.err)
-    assert found
-    assert FleetEpisode.load("a.npz").steps == int(found[1]) - 1
 
 
 @pytest.mark.parametrize("planner", ["pibt", "windowed:guidance=lanes"])
@@ -255,15 +217,6 @@ def test_robots_with_headings_need_a_planner_that_knows_them(warehouse: Warehous
         assert not [*Path().glob("b*")]
 
 
-def test_a_former_name_of_a_planner_works_and_names_the_new_one(warehouse: Warehouse) -> None:
-    done = warehouse(*SMALL, "-n", 2, "--planner", "pibt-lanes", "--no-show")
-    assert done.code == 0
-    assert done.err == (
-        "warehouse: warning: planner 'pibt-lanes' has been renamed to 'pibt:guidance=lanes'; the "
-        "former name will be removed\n"
-    )
-
-
 def test_an_interrupt_ends_the_shift_and_prints_the_measures(warehouse: Warehouse) -> None:
     write_mine("act", "raise KeyboardInterrupt", "['N'] * 3")
     done = warehouse(*SMALL, "--planner", "mine.py:Mine", "--save", "a.npz")
@@ -282,9 +235,3 @@ def test_a_fleet_that_will_run_empty_is_warned_of_once(warehouse: Warehouse) -> 
     assert done.err.count("\n") == 1
     hint = "6 robots ran out of battery or failed. More chargers or a larger --battery would help."
     assert hint in " ".join(done.out.split())
-
-
-def test_texts_are_read_as_settings() -> None:
-    assert parse_battery("7") == parse_battery("7steps") == Battery(7)
-    assert parse_battery("7 joules") == Battery(7, "joules")
-    assert find_orders(None, None) == OrderStream(0.06, (50, 150))

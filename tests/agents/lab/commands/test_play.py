@@ -86,13 +86,6 @@ def test_enter_starts_again_from_the_next_seed(driver: KeyDriver, key: str, step
     assert driver.episode.actions == ["N"]
 
 
-@pytest.mark.parametrize("key", ["Q", "escape"])
-def test_the_window_closes(driver: KeyDriver, key: str) -> None:
-    assert plt.get_fignums()
-    press(driver.figure, key)
-    assert plt.get_fignums() == []
-
-
 # The command.
 
 
@@ -154,16 +147,3 @@ def test_every_game_is_reported_and_saved(warehouse: Warehouse, keys: Callable[.
         assert lines[after] == f"You on the grid backend, seed {7 + number}, random stations"
     assert "game 3" not in lines
     assert lines[-4:] == ["saved e.npz", "saved e.svg", "saved e-2.npz", "saved e-2.svg"]
-
-
-def test_play_has_a_random_seed_and_may_be_closed_at_once(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, keys: Callable[..., None]
-) -> None:
-    keys("q")
-    monkeypatch.setattr(module, "draw_seed", lambda: 77)
-    result = warehouse("play", "--save", "e.npz", "--save", "e.svg")
-    assert result.code == 0
-    assert result.out.removeprefix(f"{module.HELP}\n").startswith(
-        "game 1\nYou on the grid backend, seed 77, random stations\noutcome         unfinished\n"
-    )
-    assert Episode.load("e.npz").steps == 0

@@ -14,7 +14,6 @@ from agents.lab.trials.task import Task
 from agents.run_episode import run_episode
 from warehouse_core import Layout, WarehouseEnv, replay_episode
 from warehouse_core.records import EpisodeRecorder
-from warehouse_core.task.starts import START
 from warehouse_core.world.named_layouts import find_layout
 
 MAX_BYTES = 250_000
@@ -85,11 +84,3 @@ def test_own_agents_race_once_each_and_one_that_fails_is_named(warehouse: Wareho
     assert failed.code == 1
     assert re.search(r"seed 35, step \d+, agent mine.py:Mine: ValueError: too far", failed.err)
     assert not Path("race.html").exists()
-
-
-@pytest.mark.parametrize("layout", [find_layout("bay"), Layout(["P..", "##.", "D.."])])
-def test_the_learner_knows_the_way_from_every_start(layout: Layout) -> None:
-    task = Task(layout, randomize=START)
-    for seed in range(2):
-        learner, best = (run_racer(name, task, seed) for name in ("q", "astar"))
-        assert learner.steps == best.steps, seed

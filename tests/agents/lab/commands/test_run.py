@@ -6,7 +6,6 @@ import pytest
 import typer
 from helpers.command_line import ROOT, Refused, Warehouse, in_a_process, write_mine
 
-from agents.errors import AgentError
 from agents.lab.commands.run import report_episode, run, run_episode
 from agents.lab.place import Stations
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -88,17 +87,6 @@ def test_a_backend_of_a_user_is_given_by_its_file(
     assert "has no cell_size" in refused(*words, "my_motion.py:Mute")
     assert "has 2 classes with" in refused(*words, "my_motion.py")
     assert "has no class 'Yours'" in refused(*words, "my_motion.py:Yours")
-
-
-@pytest.mark.parametrize("agent", ["greedy", "clever"])
-def test_the_environment_is_always_closed(monkeypatch: pytest.MonkeyPatch, agent: str) -> None:
-    closed: list[WarehouseEnv] = []
-    monkeypatch.setattr(WarehouseEnv, "close", lambda env: closed.append(env))
-    try:
-        run_episode(agent, seed=1)
-    except AgentError:
-        assert agent == "clever"
-    assert len(closed) == 1
 
 
 def test_the_report_names_the_failure_mode_if_it_is_not_the_outcome(
@@ -237,13 +225,3 @@ def test_a_body_drives_the_path_of_an_agent_in_one_go(warehouse: Warehouse, tmp_
     assert "49.8" in again
     on_the_grid = warehouse("replay", saved, "--backend", "grid", "--no-show").out
     assert "seconds" not in on_the_grid
-
-
-def test_a_backend_of_your_own_may_drive_through(warehouse: Warehouse, tmp_path: Path) -> None:
-    (tmp_path / "mine.py").write_text(
-        "from warehouse_physics import DrivingMotion\n\n\nclass Mine(DrivingMotion):\n    pass\n"
-    )
-    mine = f"{tmp_path / 'mine.py'}:Mine"
-    out = warehouse("run", "--backend", mine, "--seed", 12, "--no-show").out
-    assert out.startswith("GreedyAgent on the Mine backend, seed 12")
-    assert re.search(r"seconds +32\.7", out)

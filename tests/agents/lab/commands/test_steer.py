@@ -7,10 +7,9 @@ import pytest
 from helpers.command_line import Warehouse
 from matplotlib.backend_bases import KeyEvent
 
-from agents.lab.commands import play as module
 from agents.lab.commands import steer
 from agents.lab.commands.steer import SteeringWheel
-from warehouse_core import Episode, replay_episode
+from warehouse_core import Episode
 from warehouse_physics import RobotSpec
 from warehouse_physics.drive import DriveEnv
 
@@ -80,16 +79,6 @@ def test_enter_starts_another_game_and_q_closes_the_window(clock):
     assert not plt.get_fignums()
 
 
-def test_play_saves_the_game(warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "has_display", lambda: True)
-    monkeypatch.setattr(plt, "show", lambda: None)
-    result = warehouse("play", "--backend", "drive:rate=5", "--seed", 4, "--save", "game.npz")
-    assert "You on the drive:rate=5.0 backend, seed 4" in result.out
-    episode = Episode.load("game.npz")
-    assert (episode.agent, episode.steps) == ("You", 1)
-    assert replay_episode(episode) == episode
-
-
 def test_run_drives_the_moves_of_an_agent(warehouse: Warehouse) -> None:
     result = warehouse("run", "--backend", "drive", "--agent", "astar", "--seed", 12, "--no-show")
     assert "SearchAgent on the drive backend, seed 12" in result.out
@@ -102,13 +91,6 @@ def test_wrong_settings_are_named(warehouse: Warehouse) -> None:
     refused = warehouse("run", "--backend", "drive:wheels=3", "--seed", 1)
     assert refused.code == 1
     assert "no number is called 'wheels'; allowed: radius" in " ".join(refused.err.split())
-
-
-def test_a_race_shows_the_three_levels_on_one_clock(warehouse: Warehouse) -> None:
-    result = warehouse("race", "--worlds", "grid,physics,drive", "--save", "race.html")
-    words = " ".join(result.out.split())
-    assert "outcome │ delivered │ delivered │ delivered" in words
-    assert "drive: delivered in" in words
 
 
 def test_slippery_cells_reach_the_controlled_body(warehouse: Warehouse) -> None:

@@ -153,16 +153,6 @@ def test_the_agent_is_saved_before_the_comparison(
     assert files() == FILES
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".zip", ".png", ".csv", ".checkpoint"])
-def test_files_that_cannot_be_written_are_errors_before_the_training(suffix: str) -> None:
-    Path(f"x{suffix}").mkdir()
-    for target, says in (("missing/x.npz", "the folder missing"), ("x.npz", f"x{suffix} is a")):
-        with pytest.raises(OSError, match=says):
-            Training("X", TASK, 10, 1, Path(target)).run(
-                Learning(ends=AssertionError), {".npz": write, ".zip": write}, resume=False
-            )
-
-
 def test_the_table_also_compares_on_the_starts_where_all_deliver() -> None:
     def scores(*steps: int) -> Scores:
         return scores_of(

@@ -1,11 +1,8 @@
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from helpers.command_line import without_display
 from helpers.pictures import short_episode
-from helpers.player import said_by
 from PIL import Image
 
 from agents.lab.console import output
@@ -120,46 +117,3 @@ def test_the_name_of_an_agent_cannot_lead_to_another_folder(
     episode.agent = "../my agent"
     replay_or_save(episode, [], None)
     assert names(folder) == ["replay-_my_agent-grid-4.gif"]
-
-
-PAGES = {
-    "run --seed 12 --backend physics": ["GreedyAgent on the physics backend, seed 12"],
-    "replay old.npz": ["Tester on the grid backend, seed 4"],
-    "compare backends --seed 12": [
-        "Grid: jumps from cell to cell",
-        "Physics: a body with mass",
-        "Driving: the same path in one go",
-    ],
-    "fleet --robots 2 --max-steps 5 --seed 1": ["auto, 2 robots on the grid backend, seed 1"],
-    "demo bump": ["A bump in slow motion: 27.5 N·s"],
-    "compare search --weights 0,1": ["uniform-cost, W = 0", "A*, W = 1"],
-}
-"""Commands, and the titles of the tracks in their pages."""
-
-
-def test_commands_write_pages_without_matplotlib(folder: Path) -> None:
-    short_episode().save(folder / "old.npz")
-    program = f"""
-import sys
-sys.modules["matplotlib"] = None
-from agents.__main__ import main
-for number, words in enumerate({[*PAGES]}):
-    sys.argv[1:] = [*words.split(), "--save", f"{{number}}.html"]
-    try:
-        main()
-    except SystemExit as end:
-        assert not end.code, words
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
-    for number, titles in enumerate(PAGES.values()):
-        said = said_by((folder / f"{number}.html").read_text(encoding="utf-8"))
-        assert [track["title"] for track in said["tracks"]] == titles
-
-
-def test_an_svg_moves_without_matplotlib(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "warehouse_core.viz.replay", None)
-    output.replay_or_save(short_episode(), [Path("a.svg")], show=False, speed=2)
-    moves = Path("a.svg").read_text(encoding="utf-8")
-    assert "<animateTransform" in moves
-    assert 'dur="2.55s"' in moves

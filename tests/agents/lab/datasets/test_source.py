@@ -10,7 +10,7 @@ from helpers.command_line import write_mine
 
 from agents.errors import EpisodeError
 from agents.lab.datasets import source as sources
-from agents.lab.datasets.source import MOTION, OF_STEPS, EpisodeArrays, Source
+from agents.lab.datasets.source import MOTION, OF_STEPS, Source
 from agents.lab.trials.task import Task
 from agents.registry import make_agent
 from warehouse_core import Layout
@@ -89,21 +89,6 @@ def assert_same(one: Any, other: Any) -> None:
     """Compare two arrays bit by bit."""
     assert (one.dtype, one.shape) == (other.dtype, other.shape)
     assert one.tobytes() == other.tobytes()
-
-
-def test_episodes_do_not_depend_on_episodes_that_run_next_to_them(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def digests(found: list[EpisodeArrays]) -> list[dict[str, bytes]]:
-        return [{name: each.tobytes() for name, each in arrays.items()} for _, arrays in found]
-
-    source = Source("greedy:memory=5", Task(battery=60))
-    together = digests([*source.episodes(SEEDS)])
-    assert len({len(each["rewards"]) for each in together}) > sources.ROWS
-    alone = [digests([*source.episodes(range(seed, seed + 1))])[0] for seed in SEEDS]
-    assert together == alone
-    monkeypatch.setattr(sources, "MAX_BYTES", 1)
-    assert digests([*Source("greedy:memory=5", Task(battery=60)).episodes(SEEDS)]) == alone
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
-from helpers.attacks import AGENTS, BEFORE, DEEDS, attempt
+from helpers.attacks import BEFORE, DEEDS, attempt
 from helpers.submissions import (
     GOOD,
     RUBRIC,
@@ -35,14 +35,6 @@ from agents.lab.grading.submissions import Submission, Unusable, find_submission
 
 NOBODY = 65534
 
-IN_TIME = """
-[[criteria]]
-name = "in time"
-points = 1
-measure = "answer_seconds"
-cases = ["chapter", "loops"]
-full = 0.01
-"""
 
 SLOWEST = ("sleeps", "leaves_a_daemon", "prints_much", "answers_much")
 """Agents similar to others, which default tests skip because together they take long."""
@@ -95,26 +87,6 @@ def test_agents_get_what_they_have_earned_and_leave_nothing_behind(
     assert expected.failure in said
     assert "LookupError" not in said, "it has found something in its memory"
     assert {path.name for path in (tmp_path / name).iterdir()} == {"agent.py", "rubric.toml"}
-
-
-def test_the_same_agent_has_the_same_report(tmp_path: Path) -> None:
-    """This includes agents that use random numbers or the order of sets, or take long."""
-    source = """
-import random, time
-import numpy
-class Agent:
-    def reset(self):
-        pass
-    def act(self, observation):
-        if observation["steps"] == 1:
-            time.sleep(0.02)
-        words = [*{"N", "E", "S", "W"}, random.choice("NESW"), str(numpy.random.choice(["PICK"]))]
-        return words[numpy.random.randint(6)]
-"""
-    first, second = (grade_source(tmp_path, source, RUBRIC + IN_TIME) for _ in range(2))
-    assert json.dumps(results_of(first)) == json.dumps(results_of(second))
-    assert not first.failure
-    assert first.grades[-1].command.endswith("--seed 1 --max-steps 60"), "the first that is slow"
 
 
 @pytest.mark.parametrize(("error", "told"), [("ValueError", "ValueError"), ("Own", "an exception")])
@@ -224,13 +196,6 @@ def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
     rubric = RUBRIC.replace("give_up_after = 1", "give_up_after = 2")
     report = grade_source(tmp_path, source, rubric)
     assert report.grades[0].seen == f"88% of 8 episodes: 7 delivered and 1 {found}"
-
-
-def test_an_agent_that_reads_no_questions_takes_too_long(tmp_path: Path) -> None:
-    """A question with a view of 121 x 121 cells is longer than a pipe."""
-    rubric = RUBRIC.replace("max_steps", "view_radius = 60\nmax_steps")
-    report = grade_source(tmp_path, AGENTS["answers and sleeps"][0], rubric)
-    assert report.grades[0].worst == "takes too long at step 2: no answer within 0.5 s"
 
 
 REMEMBERS = """

@@ -222,14 +222,6 @@ def test_a_solver_of_a_user_takes_arguments(hall: str, warehouse: Warehouse) -> 
         assert len(paths_in("plan.csv")[0]) - 1 == makespan
 
 
-def test_a_solver_of_a_user_gets_the_seed(hall: str, warehouse: Warehouse) -> None:
-    ways = TRIVIAL.replace("ways=0", "seed=9")
-    Path("mine.py").write_text(f"{ways}return Plan.of([[0] * seed + [0, 1, 2], [1, 6, 6]])")
-    words = ("--planner", "mine.py:mine", "--seed", "3", "-o", "plan.csv")
-    assert warehouse("plan", hall, *words).code == 0
-    assert len(paths_in("plan.csv")[0]) - 1 == 5
-
-
 @pytest.mark.parametrize(
     ("name", "message"),
     [
