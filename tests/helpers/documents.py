@@ -30,7 +30,7 @@ def write_documents(folder: Path, name: str) -> None:
             store.add(store.case_ids([case])[0], outcomes("dow"))
         page = make_page(store)
     write_page(folder / "report.html", page._replace(title=name))
-    for picture in page.pictures:
+    for picture in next(each.parts for each in page.sections if each.title == "Figures"):
         (folder / f"{picture.name}.svg").write_bytes(picture.svg)
     episode = named(name)
     episode = dataclasses.replace(

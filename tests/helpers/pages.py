@@ -8,7 +8,7 @@ from agents.lab.parameters import shown
 from agents.lab.reports.answers import Answer
 from agents.lab.reports.examples import Example
 from agents.lab.reports.figures import Picture
-from agents.lab.reports.page import Page
+from agents.lab.reports.page import Page, Section
 from helpers.pictures import named
 from warehouse_core.viz.tracks import track_of_record
 
@@ -74,41 +74,29 @@ def found(mode: str = "oscillation", **changes: Any) -> Example:
 
 
 def a_page(**changes: Any) -> Page:
-    """Return a page in which every part has content."""
+    """Return a page in which every part has content, with changed parts by title."""
+    rows = [("greedy", "12.5"), ("mine", shown(None)), ("other", "7")]
+    example = found(sentence="swung to and fro", track=track_of_record(named("A robot")))
     parts: dict[str, Any] = {
-        "title": "A title",
-        "summary": "A summary",
-        "methods": "The methods",
-        "answers": (Answer("Is it so?", "It is.", ("Mostly.",)), Answer("And that?", "No.", ())),
-        "pictures": (Picture("success", "A caption", SVG),),
-        "settings": (("escape", "on, off"), ("memory", "5")),
-        "tables": (
-            TextTable(
-                ("agent", "steps"),
-                [("greedy", "12.5"), ("mine", shown(None)), ("other", "7")],
-                caption="A note",
-            ),
-        ),
-        "examples": (found(sentence="swung to and fro", track=track_of_record(named("A robot"))),),
-        "made_with": (("warehouse-lab", "1.2.3"),),
+        "Answers": [Answer("Is it so?", "It is.", ("Mostly.",)), Answer("And that?", "No.", ())],
+        "Figures": [Picture("success", "A caption", SVG)],
+        "Examples": [example],
+        "Settings": [TextTable((), [("escape", "on, off"), ("memory", "5")])],
+        "Cases": [TextTable(("agent", "steps"), rows, caption="A note")],
     }
-    return Page(**parts | changes)
+    sections = [Section(title, each, "A note") for title, each in (parts | changes).items()]
+    return Page("A title", ["A summary"], sections, "The methods")
 
 
 def a_page_of(name: str, svg: bytes = SVG) -> Page:
     """Return a page in which every text is ``name``."""
     case = {**make_case({}), "agent": name, "layout": name, name: name}
-    return Page(
-        title=name,
-        summary=name,
-        methods=name,
-        answers=(Answer(name, name, (name, name)),),
-        pictures=(Picture(name, name, svg),),
-        settings=((name, name),),
-        tables=(TextTable((name, name), [(name, name)], caption=name),),
-        examples=(
-            found(name, case=case, sentence=name, track=track_of_record(named(name))),
-            found(name, case=case, sentence=name),
-        ),
-        made_with=((name, name),),
-    )
+    parts = [
+        Answer(name, name, (name, name)),
+        Picture(name, name, svg),
+        TextTable((), [(name, name)]),
+        TextTable((name, name), [(name, name)], caption=name),
+        found(name, case=case, sentence=name, track=track_of_record(named(name))),
+        found(name, case=case, sentence=name),
+    ]
+    return Page(name, [name], [Section(name, parts, name)], name)

@@ -85,7 +85,8 @@ def test_figures_are_shown_on_a_light_card_on_paper_of_the_scheme(
 
 
 def test_replays_play_inside_the_page(file: Path, tab: Open) -> None:
-    write_page(file, a_page(examples=a_page().examples * 2))
+    [section] = [each for each in a_page().sections if each.title == "Examples"]
+    write_page(file, a_page(Examples=[*section.parts] * 2))
     errors = list[str]()
     for scheme, paper in (("light", 255), ("dark", 23)):
         page = tab(file, scheme)

@@ -430,7 +430,7 @@ def write_page(path: Path, table: TextTable, records: Mapping[str, FleetEpisode]
     """Write a page with the table and a replay of the records of all worlds on one clock."""
     from markupsafe import Markup
 
-    from agents.lab.reports.page import write_template  # imports matplotlib
+    from agents.lab.reports.page import Page, Section, write_page  # imports matplotlib
     from warehouse_core.viz.player import player_frame
     from warehouse_core.viz.tracks import track_of_record
 
@@ -444,7 +444,8 @@ def write_page(path: Path, table: TextTable, records: Mapping[str, FleetEpisode]
     title = "A fleet on the grid and on rigid bodies"
     rows = [tuple(cell.replace("\n", " ") for cell in row) for row in table.rows]
     replay = player_frame(tracks, title=title, speed=SPEED, height=HEIGHT)
-    write_template(
-        path, "table.html", title, has_players=True, summary=[f"{table.title}."],
-        label="Measures of all worlds", table=table._replace(rows=rows), replay=Markup(replay),
-    )  # fmt: skip
+    sections = [
+        Section("Measures of all worlds", [table._replace(rows=rows, title="")]),
+        Section("All worlds on one clock", [Markup(replay)]),
+    ]
+    write_page(path, Page(title, [f"{table.title}."], sections))

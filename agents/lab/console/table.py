@@ -12,7 +12,7 @@ class TextTable(NamedTuple):
     """A table of texts, with a title above and a caption below; each row begins with its name."""
 
     header: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]
     title: str = ""
     caption: str = ""
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from agents.lab.experiments.case import Case, check_fingerprint, failure_of, run_one
 from agents.lab.reports.results import Experiment
 from agents.registry import is_own_code
@@ -38,12 +40,14 @@ def find_examples(experiment: Experiment) -> list[Example]:
 
     Among episodes of equal length, the first case and then the smallest seed is chosen.
     """
+    everything = experiment.results(*experiment.cases)
+    case_ids, seeds, steps = (everything.columns[name] for name in ("case", "seed", "steps"))
     found = []
-    for mode, episodes in experiment.results(*experiment.cases).modes.items():
-        having = {n: each for n, each in experiment.episodes.items() if mode in each.shortest}
-        number = min(having, key=lambda each: having[each].shortest[mode][0])
-        steps, seed = having[number].shortest[mode]
-        found.append(Example(mode, experiment.cases[number], seed, steps, episodes))
+    for mode, episodes in everything.modes.items():
+        having = np.flatnonzero(everything.columns["mode"] == mode)
+        first = having[steps[having].argmin()]
+        case = experiment.cases[int(case_ids[first])]
+        found.append(Example(mode, case, int(seeds[first]), int(steps[first]), episodes))
     return found
 
 

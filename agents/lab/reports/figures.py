@@ -9,13 +9,11 @@ cells.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from io import BytesIO
 from itertools import product
 from textwrap import wrap
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -28,14 +26,7 @@ from matplotlib.ticker import PercentFormatter
 from agents.errors import StoreError
 from agents.lab.experiments.case import TILES
 from agents.lab.parameters import Value, shown
-from agents.lab.reports.results import (
-    LONE,
-    Design,
-    Experiment,
-    Factor,
-    ReportedMeasure,
-    Results,
-)
+from agents.lab.reports.results import LONE, Design, Experiment, Factor, ReportedMeasure, Results
 from agents.lab.trials.figure import reach
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, Interval
 from agents.lab.trials.rows import MODES_OF
@@ -57,8 +48,7 @@ STATIONS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Picture:
+class Picture(NamedTuple):
     """A figure as SVG, its caption, and the stem of its file as its name."""
 
     name: str
@@ -137,15 +127,16 @@ def stuck_cells(
     Raises:
         StoreError: an episode got stuck outside the layout.
     """
-    ends = sum((experiment.episodes[each].ends for each in case_ids), Counter())
+    columns = experiment.results(*case_ids).columns
+    size = len(rows), len(rows[0])
+    if columns["row"].max() >= size[0] or columns["col"].max() >= size[1]:
+        raise StoreError(f"{experiment.path}: an episode ended outside the layout")
     stuck: dict[str, CellCounts] = {}
-    for (mode, row, col), count in ends.items():
+    for mode in experiment.results(*case_ids).modes:
         if mode != DELIVERED:
-            if not (row < len(rows) and col < len(rows[0])):
-                raise StoreError(f"{experiment.path}: row {row}, column {col} is off the layout")
-            cells = stuck.setdefault(mode, np.zeros((len(rows), len(rows[0])), dtype=np.int64))
-            cells[row, col] = count
-    return {mode: stuck[mode] for mode in modes.MODES if mode in stuck}
+            is_it, stuck[mode] = columns["mode"] == mode, np.zeros(size, dtype=np.int64)
+            np.add.at(stuck[mode], (columns["row"][is_it], columns["col"][is_it]), 1)
+    return stuck
 
 
 MAX_COLORS, MAX_PANELS = 8, 6
@@ -384,12 +375,6 @@ MODE_COLORS = {mode: PALETTE["both"][name] for name, group in COLORS.items() for
 FIRST_MODES = DELIVERED, modes.UNREACHABLE, modes.SERVED
 """Outcomes at the beginning of a legend; the others follow in the order of their table."""
 
-LUMINANCE = (0.2126, 0.7152, 0.0722)
-"""Weights of linear R, G and B. Source: WCAG 2.2, relative luminance."""
-
-MAX_DARK = 0.17
-"""Luminance of colours on which black and near-white text have the same contrast."""
-
 MIN_LEGIBLE, MAX_NUMBERED = 0.08, 7
 """Minimum share of a segment with a number, and maximum number of bars in a panel with numbers."""
 
@@ -414,8 +399,7 @@ def modes_figure(chart: ReportChart, title: str) -> SceneFigure:
     )
     for line, each in zip(chart.lines.values(), axes, strict=True):
         for along, results in line.items():
-            is_numbered = len(values) <= MAX_NUMBERED
-            _draw_bar(each, values.index(along), results, is_numbered=is_numbered)
+            _draw_bar(each, values.index(along), results, is_numbered=len(values) <= MAX_NUMBERED)
         each.yaxis.set_major_formatter(PercentFormatter(1))
         each.set_ylim(0, 1)
         each.set_xlim(-0.6, max(len(values) - 0.4, 2.4))
@@ -438,5 +422,5 @@ def _draw_bar(axes: Axes, place: int, results: Results, *, is_numbered: bool) ->
 
 def ink_on(color: str) -> str:
     """Return the colour for text on a colour: black or near-white, whichever is legible."""
-    light = sum(weight * part**2.2 for weight, part in zip(LUMINANCE, to_rgb(color), strict=True))
-    return "black" if light > MAX_DARK else "whitesmoke"
+    luminance = np.dot((0.2126, 0.7152, 0.0722), np.power(to_rgb(color), 2.2))  # as in WCAG 2.2
+    return "black" if luminance > 0.17 else "whitesmoke"

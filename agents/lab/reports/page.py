@@ -1,8 +1,7 @@
-"""The report as a single HTML page that loads nothing from elsewhere.
+"""Pages of HTML that load nothing from elsewhere, and the page of a report.
 
-The page has answers, figures, examples, settings and a table of all cases. Its only script belongs
-to the replay players. Names from users, such as the names of agents and layouts, are always
-escaped.
+A page has sections with answers, figures, examples, tables and players. Its only script belongs to
+the players. Names from users, such as the names of agents and layouts, are always escaped.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ import platform
 import re
 from base64 import b64encode
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
@@ -34,7 +33,6 @@ from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import style_rules
 from warehouse_core.viz.player import player_frame
 from warehouse_core.viz.player.page import digest, script
-from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import counted, printable
 
 MAX_CASES = 200
@@ -50,21 +48,39 @@ METHODS = (
 NUMBER = re.compile(r"-?\d[\d,.]*%?( .*)?")
 """Pattern for a number, with or without a unit and an interval."""
 
+MAX_LETTERS = 60
+"""Maximum length of a cell that is written on one line."""
+
 MADE_WITH = ("warehouse-lab", "numpy", "matplotlib")
 
 
-class Page(NamedTuple):
-    """The contents of the page, in its order; settings and programs are names and values."""
+class Section(NamedTuple):
+    """A part of a page with a heading.
+
+    Attributes:
+        title: Heading of the section.
+        parts: Answers, figures, examples, tables and players. A table without a header has names
+            and values.
+        note: Sentence below the heading.
+    """
 
     title: str
-    summary: str
-    methods: str
-    answers: tuple[Answer, ...]
-    pictures: tuple[Picture, ...]
-    examples: tuple[Example, ...]
-    settings: tuple[tuple[str, str], ...]
-    tables: tuple[TextTable, ...]
-    made_with: tuple[tuple[str, str], ...]
+    parts: Sequence[Answer | Picture | Example | TextTable | Markup]
+    note: str = ""
+
+    @property
+    def id(self) -> str:
+        """The target of links to the section."""
+        return "-".join(re.findall(r"\w+", self.title.lower()))
+
+
+class Page(NamedTuple):
+    """A page: its title, the lines below it, and its sections; ``methods`` are folded."""
+
+    title: str
+    intro: Sequence[str]
+    sections: Sequence[Section]
+    methods: str = ""
 
 
 def make_page(store: Store, replays: bool | None = False) -> Page:
@@ -82,20 +98,28 @@ def make_page(store: Store, replays: bool | None = False) -> Page:
     if not parts:
         raise StoreError(f"{store.path}: the file has no episodes")
     wanted = [] if replays is False or parts[0].kind is not LONE else find_examples(parts[0])
+    made_with = [
+        ("Python", platform.python_version()),
+        *((name, version(name)) for name in MADE_WITH),
+        *_programs(store, parts),
+    ]
+    sections = [
+        Section("Answers", [answer for part in parts for answer in answers(part)]),
+        Section("Figures", [picture for part in parts for picture in pictures(part)]),
+        Section(
+            "Examples",
+            [replay(each, run_own_code=bool(replays)) for each in wanted],
+            "The shortest episode with each outcome, run again from its seed.",
+        ),
+        Section("Settings", [TextTable((), [each for part in parts for each in _settings(part)])]),
+        Section("All cases", [_table(part) for part in parts]),
+        Section("Made with", [TextTable((), made_with)]),
+    ]
     return Page(
         title=f"Report on {store.path.name}",
-        summary="; ".join(map(_summary, parts)),
+        intro=["; ".join(map(_summary, parts))],
+        sections=[each for each in sections if each.parts],
         methods=METHODS,
-        answers=tuple(answer for part in parts for answer in answers(part)),
-        pictures=tuple(picture for part in parts for picture in pictures(part)),
-        examples=tuple(replay(each, run_own_code=bool(replays)) for each in wanted),
-        settings=tuple(setting for part in parts for setting in _settings(part)),
-        tables=tuple(map(_table, parts)),
-        made_with=(
-            ("Python", platform.python_version()),
-            *((name, version(name)) for name in MADE_WITH),
-            *_programs(store, parts),
-        ),
     )
 
 
@@ -159,23 +183,9 @@ def _table(experiment: Experiment) -> TextTable:
 
 
 def write_page(path: Path, page: Page) -> None:
-    """Write the page as a whole, so that no incomplete file is left after an error."""
-    has_players = any(example.track for example in page.examples)
-    write_template(path, "page.html", page.title, has_players, page=page)
-
-
-def write_template(
-    path: Path, template: str, title: str, has_players: bool, **values: object
-) -> None:
-    """Write a page with a template of this folder, and leave no incomplete file after an error.
-
-    Args:
-        path: Path of the page.
-        template: File name of the template.
-        title: Title of the page.
-        has_players: True if the security policy of the page must allow the players' script.
-        values: Variables of the template.
-    """
+    """Write a page, which loads nothing, and leave no incomplete file after an error."""
+    parts = [part for section in page.sections for part in section.parts]
+    has_players = any(isinstance(each, Markup) or getattr(each, "track", None) for each in parts)
     environment = Environment(
         loader=PackageLoader("agents.lab.reports", ""),
         autoescape=True,
@@ -185,12 +195,13 @@ def write_template(
         lstrip_blocks=True,
     )
     environment.filters |= {
-        "counted": counted, "data_uri": _data_uri, "flags": flags_of, "numeric": _numeric,
+        "counted": counted, "data_uri": _data_uri, "flags": flags_of, "kinds": _kinds,
         "player": _player,
     }  # fmt: skip
     scripts = digest(script()) if has_players else ""
-    environment.globals |= {"palette": Markup(style_rules()), "scripts": scripts, "title": title}
-    text = environment.get_template(template).render(values)
+    text = environment.get_template("page.html").render(
+        palette=Markup(style_rules()), scripts=scripts, page=page
+    )
     with atomic_path(path) as part:
         part.write_text(text, encoding="utf-8")
 
@@ -204,20 +215,22 @@ def _shown(value: object) -> object:
 def _player(example: Example) -> Markup:
     assert example.track is not None, "the template asks for a player only if there is a track"
     title = f"Replay of an episode that ended as {example.mode}: {example.sentence}"
-    return player_of(example.track, title)
-
-
-def player_of(track: Track, title: str) -> Markup:
-    """Return the HTML of a replay player for an episode."""
-    return Markup(player_frame([track], title=title))
+    return Markup(player_frame([example.track], title=title))
 
 
 def _data_uri(picture: Picture) -> str:
     return f"data:image/svg+xml;base64,{b64encode(picture.svg).decode('ascii')}"
 
 
-def _numeric(table: TextTable) -> list[bool]:
-    """Return whether the cells of each column are numbers."""
-    columns = ([row[number] for row in table.rows] for number in range(len(table.header)))
-    found = [{*column} - {"", shown(None)} for column in columns]
-    return [bool(cells) and all(map(NUMBER.fullmatch, cells)) for cells in found]
+def _kinds(table: TextTable) -> list[Markup]:
+    """Return the HTML class of the cells of each column, which may be numbers or long texts."""
+    columns = [{*column} - {"", shown(None)} for column in zip(*table.rows, strict=True)]
+    kinds = [
+        "number"
+        if cells and all(map(NUMBER.fullmatch, cells))
+        else "words"
+        if max(map(len, cells), default=0) > MAX_LETTERS
+        else ""
+        for cells in columns or [set[str]()] * len(table.header)
+    ]
+    return [Markup(' class="{}"').format(kind) if kind else Markup() for kind in kinds]

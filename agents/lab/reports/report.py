@@ -46,6 +46,8 @@ def report(
     Example: warehouse report results.sqlite --figures figures
     """
     # Here, because importing SciPy and matplotlib takes longer than most commands.
+    from agents.lab.reports.answers import Answer
+    from agents.lab.reports.figures import Picture
     from agents.lab.reports.page import make_page, write_page
 
     target = output or results.with_suffix(PAGE_SUFFIX)
@@ -57,15 +59,15 @@ def report(
         page = make_page(store, replays)
     # Files first, because the reader of standard output may leave, as ``head`` does.
     write_page(target, page)
-    saved = [f"saved {target}"]
+    saved, parts = [f"saved {target}"], [each for one in page.sections for each in one.parts]
     if figures:
         figures.mkdir(parents=True, exist_ok=True)
-        for picture in page.pictures:
+        for picture in (pictures := [each for each in parts if isinstance(each, Picture)]):
             with atomic_path(figures / f"{picture.name}.svg") as part:
                 part.write_bytes(picture.svg)
-        saved.append(f"saved {counted(len(page.pictures), 'figure')} in {figures}")
-    say(page.summary)
-    for answer in page.answers:
+        saved.append(f"saved {counted(len(pictures), 'figure')} in {figures}")
+    say("\n".join(page.intro))
+    for answer in [each for each in parts if isinstance(each, Answer)]:
         say(f"\n{answer.question}", bold=True)
         say(answer.verdict, bold=True)
         for sentence in answer.sentences:

@@ -8,9 +8,7 @@ equal tasks.
 
 from __future__ import annotations
 
-import math
 import re
-from array import array
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
@@ -33,6 +31,9 @@ from agents.lab.trials.rows import MODES_OF, AnyRow, FleetRow, Row
 from warehouse_core.records.episode import DELIVERED
 
 CaseIds = tuple[int, ...]
+
+Columns = dict[str, np.ndarray]
+"""Fields of the rows of some cases, and the number of the case of each, ``[n]``."""
 
 Labels = dict[str, Value | None]
 """Displayed values of a case by parameter; ``None`` where a parameter does not apply."""
@@ -198,7 +199,7 @@ class ReportedMeasure(NamedTuple):
         title: Title of its chart, and its name in verdicts.
         says: Beginning of a sentence that ends with values, such as ``"a delivery takes"``.
         unit: Unit, or ``"%"`` for a share.
-        value: Function that returns its value in an episode, or ``None`` if it has none.
+        value: Function of columns that returns its values, which are NaN where there is none.
         what: Definition of the measure, for the caption.
         is_physical: True if only backends that simulate time and energy measure it.
     """
@@ -207,7 +208,7 @@ class ReportedMeasure(NamedTuple):
     title: str
     says: str
     unit: str
-    value: Callable[[Any], float | None]
+    value: Callable[[Columns], np.ndarray]
     what: str = "mean of all episodes"
     is_physical: bool = False
 
@@ -228,23 +229,23 @@ class ReportedMeasure(NamedTuple):
 
 
 def _of_deliveries(name: str, title: str, verb: str, unit: str) -> ReportedMeasure:
-    def value(row: Row) -> float | None:
-        return getattr(row, name) if row.mode == DELIVERED else None
-
-    what = "mean over all deliveries, hard or easy"
     return ReportedMeasure(
-        name, f"{title} of a delivery", f"a delivery {verb}", unit, value, what, name != "steps"
-    )
+        name, f"{title} of a delivery", f"a delivery {verb}", unit,
+        lambda each: np.where(each["mode"] == DELIVERED, each[name], np.nan),
+        "mean over all deliveries, hard or easy", name != "steps",
+    )  # fmt: skip
 
 
-def _blocked(row: FleetRow) -> float | None:
-    moves = row.distance + row.blocked_by_wall + row.blocked_by_robot + row.blocked_by_person
-    return row.blocked_by_robot / moves if moves else None
+def _blocked(each: Columns) -> np.ndarray:
+    stopped = each["blocked_by_wall"] + each["blocked_by_robot"] + each["blocked_by_person"]
+    with np.errstate(invalid="ignore"):  # NaN without any move
+        share: np.ndarray = each["blocked_by_robot"] / (each["distance"] + stopped)
+    return share
 
 
 SUCCESS = ReportedMeasure(
-    "success", "Success", "success is", "%", lambda row: row.mode == DELIVERED,
-    "share of all episodes",
+    "success", "Success", "success is", "%",
+    lambda each: (each["mode"] == DELIVERED).astype(float), "share of all episodes",
 )  # fmt: skip
 STEPS = _of_deliveries("steps", "Steps", "takes", "steps")
 SECONDS = _of_deliveries("seconds", "Time", "takes", "s")
@@ -252,19 +253,18 @@ JOULES = _of_deliveries("joules", "Energy", "uses", "J")
 
 PER_HOUR = ReportedMeasure(
     "per_hour", "Rate of deliveries", "the rate of deliveries is", "per hour",
-    lambda row: row.per_hour or 0.0,
+    lambda each: np.nan_to_num(each["per_hour"]),
 )  # fmt: skip
 ON_TIME = ReportedMeasure(
-    "on_time", "Share on time", "the share on time is", "%", lambda row: row.on_time
+    "on_time", "Share on time", "the share on time is", "%", lambda each: each["on_time"]
 )
 LATENESS = ReportedMeasure(
     "lateness", "Lateness of a delivery", "the lateness of a delivery is", "steps",
-    lambda row: row.mean_lateness,
+    lambda each: each["mean_lateness"],
 )  # fmt: skip
 ENERGY = ReportedMeasure(
     "energy", "Energy of a delivery", "a delivery uses", "kJ",
-    lambda row: row.joules_per_delivery and row.joules_per_delivery / 1000,
-    "energy of all robots, mean of all episodes",
+    lambda each: each["joules_per_delivery"] / 1000, "energy of all robots, mean of all episodes",
 )  # fmt: skip
 BLOCKED = ReportedMeasure(
     "blocked", "Share of moves that robots blocked", "the share of moves that robots blocked is",
@@ -297,39 +297,11 @@ FLEETS = ReportKind(
 )  # fmt: skip
 
 
-class CaseEpisodes:
-    """What reports need of the episodes of a case, which may be millions.
-
-    Attributes:
-        seeds: Seeds in ascending order, ``[n]``.
-        values: Values of each measure, ``[n]``, which are NaN where an episode has none.
-        modes: Number of episodes with each outcome.
-        ends: Number of episodes of a lone robot with each outcome, row and column of the end.
-        shortest: Steps and seed of the first of the shortest episodes with each outcome.
-    """
-
-    def __init__(self, kind: ReportKind, rows: Iterable[AnyRow]) -> None:
-        self.modes, self.ends = Counter[str](), Counter[tuple[str, int, int]]()
-        self.shortest: dict[str, tuple[int, int]] = {}
-        seeds, columns = array("q"), {measure: array("d") for measure in kind.measures}
-        for row in rows:
-            seeds.append(row.seed)
-            for measure, column in columns.items():
-                value = measure.value(row)
-                column.append(math.nan if value is None else value)
-            self.modes[row.mode] += 1
-            if row.mode not in self.shortest or row.steps < self.shortest[row.mode][0]:
-                self.shortest[row.mode] = row.steps, row.seed
-            if isinstance(row, Row):
-                self.ends[row.mode, row.row, row.col] += 1
-        self.seeds = np.array(seeds)
-        self.values = {measure: np.array(column) for measure, column in columns.items()}
-
-
 class Results:
     """The pooled results of some cases.
 
     Attributes:
+        columns: Fields of the rows, ``[n]``, and the case of each, in the order of cases and seeds.
         episodes: Number of episodes.
         modes: Number of episodes with each mode that occurs, in the order of ``MODES_OF``.
         seeds: First seed and last seed.
@@ -338,12 +310,12 @@ class Results:
 
     def __init__(self, experiment: Experiment, case_ids: CaseIds) -> None:
         self.kind, self.case_ids = experiment.kind, case_ids
-        self._parts = [experiment.episodes[each] for each in case_ids]
-        modes = sum((each.modes for each in self._parts), Counter[str]())
+        parts = [experiment.columns[each] for each in case_ids]
+        self.columns = {name: np.concatenate([each[name] for each in parts]) for name in parts[0]}
+        modes = Counter(self.columns["mode"].tolist())
         self.episodes = modes.total()
         self.modes = {mode: modes[mode] for mode in MODES_OF[self.kind.row] if mode in modes}
-        ends = [int(each.seeds[end]) for each in self._parts for end in (0, -1)]
-        self.seeds = min(ends), max(ends)
+        self.seeds = int(self.columns["seed"].min()), int(self.columns["seed"].max())
         self.is_measured = all(experiment.cases[each]["backend"] != "grid" for each in case_ids)
         self._intervals: dict[ReportedMeasure, Interval | None] = {}
 
@@ -354,7 +326,7 @@ class Results:
     def interval(self, measure: ReportedMeasure) -> Interval | None:
         """Return the mean or the share of a measure, or ``None`` if no episode has a value."""
         if measure not in self._intervals:
-            values = np.concatenate([each.values[measure] for each in self._parts])
+            values = measure.value(self.columns)
             self._intervals[measure] = (
                 share_interval(int(values.sum()), len(values))
                 if measure is SUCCESS
@@ -376,7 +348,7 @@ class Experiment:
     Attributes:
         path: File of results.
         cases: Cases with episodes, by their numbers.
-        episodes: Episodes of these cases.
+        columns: Fields of the rows of these cases, see ``Results``.
         unbegun: Number of cases of this kind without an episode.
         design: Differences between the cases.
 
@@ -387,9 +359,9 @@ class Experiment:
     def __init__(self, store: Store, kind: ReportKind) -> None:
         self.path, self.kind = store.path, kind
         found = {n: case for n, case in store.cases().items() if row_type(case) is kind.row}
-        episodes = {number: CaseEpisodes(kind, store.rows(number, kind.row)) for number in found}
-        self.episodes = {number: each for number, each in episodes.items() if each.modes}
-        self.cases = {number: found[number] for number in self.episodes}
+        columns = {number: _columns(number, store.rows(number, kind.row)) for number in found}
+        self.columns = {number: each for number, each in columns.items() if each}
+        self.cases = {number: found[number] for number in self.columns}
         self.unbegun, self.design = len(found) - len(self.cases), Design(self.cases)
         self._results: dict[CaseIds, Results] = {}
         self._paired: dict[tuple[ReportedMeasure, int, int], Interval | None] = {}
@@ -407,11 +379,11 @@ class Experiment:
         such seeds.
         """
         if (key := (measure, one, other)) not in self._paired:
-            first, second = self.episodes[one], self.episodes[other]
+            first, second = self.columns[one], self.columns[other]
             _, *both = np.intersect1d(
-                first.seeds, second.seeds, assume_unique=True, return_indices=True
+                first["seed"], second["seed"], assume_unique=True, return_indices=True
             )
-            values = first.values[measure][both[0]] - second.values[measure][both[1]]
+            values = measure.value(first)[both[0]] - measure.value(second)[both[1]]
             values = values[~np.isnan(values)]
             self._paired[key] = (
                 paired_share_interval(np.sum(values > 0), np.sum(values < 0), len(values))
@@ -419,3 +391,16 @@ class Experiment:
                 else mean_interval(values)
             )
         return self._paired[key]
+
+
+def _columns(case_id: int, rows: Iterable[AnyRow]) -> Columns:
+    """Return the fields of the rows of a case as arrays; ``None`` is NaN. No row has no columns."""
+    found = list(rows)
+    if not found:
+        return {}
+    columns = {
+        name: np.array(each)
+        for name, each in zip(found[0]._fields, zip(*found, strict=True), strict=True)
+    }
+    columns["case"] = np.full(len(found), case_id)
+    return {n: each.astype(float) if each.dtype == object else each for n, each in columns.items()}

@@ -31,7 +31,7 @@ from agents.lab.grading.grades import (
     summary_of,
 )
 from agents.lab.grading.gradescope import results_of
-from agents.lab.grading.grading import GradeReport, grade
+from agents.lab.grading.grading import Grade, GradeReport, grade
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.sandbox import LOAD, most_jobs
 from agents.lab.grading.students import finder_of, students_in
@@ -231,17 +231,32 @@ def write_report(path: Path, report: GradeReport) -> None:
 
 
 def _write_page(path: Path, report: GradeReport) -> None:
-    from agents.lab.reports.page import player_of, write_template  # Jinja takes long to import
+    from markupsafe import Markup
+
+    from agents.lab.reports.page import Page, Section, write_page  # Jinja takes long to import
+    from warehouse_core.viz.player import player_frame
     from warehouse_core.viz.tracks.record_track import track_of_record
 
-    title, player = f"{report.points:g} of {report.max_points:g} points", None
+    def section(grade: Grade) -> Section:
+        command = grade.command and Markup("<code>{}</code>").format(printable(grade.command))
+        rows = {
+            "required": grade.criterion.asked, "result": grade.seen, "worst": grade.worst,
+            "replay": command,
+        }  # fmt: skip
+        title = f"{grade.criterion.name}: {grade.points:g} of {grade.criterion.points:g}"
+        return Section(title, [TextTable((), [row for row in rows.items() if row[1]])])
+
+    sections = [section(each) for each in report.grades]
     if (worst := report.worst) is not None and worst.run is not None:
         assert isinstance(worst.run.case, GradedCase), "a call has no actions"
         track = track_of_record(worst.run.case.episode(worst.run))
-        player = player_of(track, f"Replay of the worst episode: {worst.worst}")
-    write_template(
-        path, "grade.html", title, has_players=player is not None, report=report, player=player
-    )
+        player = player_frame([track], title=f"Replay of the worst episode: {worst.worst}")
+        note = f"{worst.criterion.name}: {worst.worst}"
+        sections.append(Section("The worst episode", [Markup(player)], note))
+    digests = [("rubric", report.rubric), ("code", report.code or "built-in agent")]
+    sections.append(Section("Digests", [TextTable((), digests)]))
+    intro = [report.agent, f"{report.title}; {report.episodes} episodes.", *report.remarks]
+    write_page(path, Page(f"{report.points:g} of {report.max_points:g} points", intro, sections))
 
 
 def _files_of(pages: Path, submission: Submission) -> list[Path]:
@@ -251,19 +266,17 @@ def _files_of(pages: Path, submission: Submission) -> list[Path]:
 
 def _write_index(pages: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> Path:
     """Write the page of a class, which is for graders, and return its file."""
-    from agents.lab.reports.page import write_template
+    from agents.lab.reports.page import Page, Section, write_page
 
     names = "submission", "points", "days late", "failure"
-    lines: list[tuple[str, ...]] = [
+    lines = [
         (_linked(pages, row[NAME]), row[POINTS], row[LATE], row[FAILURE])
         for row in _best_first(rows)
     ]
     path = pages / f"{INDEX}{PAGE}"
     summary = [f"{line[:1].upper()}{line[1:]}." for line in summary_of(rows.values(), rubric)]
-    write_template(
-        path, "table.html", rubric.title, has_players=False, summary=[*summary, FOR_GRADERS],
-        label="Submissions", table=TextTable(names, lines), replay=None,
-    )  # fmt: skip
+    section = Section("Submissions", [TextTable(names, lines)])
+    write_page(path, Page(rubric.title, [*summary, FOR_GRADERS], [section]))
     return path
 
 

@@ -95,6 +95,11 @@ def test_invalid_results_and_outputs_are_errors(
     assert str(nowhere.parent) in refused("report", results, "-o", nowhere)
 
 
+def part_of(page: Page, title: str) -> Any:
+    [section] = [each for each in page.sections if each.title == title]
+    return section.parts
+
+
 def page_of(*cases: Any) -> Page:
     with Store(fill(Path("page.sqlite"), cases), read_only=True) as store:
         return make_page(store)
@@ -104,14 +109,16 @@ def test_a_long_table_ends_with_the_number_of_further_combinations(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(page_module, "MAX_CASES", 1)
-    [short] = page_of((ON, outcomes("dddw")), (OFF, outcomes("dooo"))).tables
+    page = page_of((ON, outcomes("dddw")), (OFF, outcomes("dooo")))
+    [short] = part_of(page, "All cases")
     assert (len(short.rows), short.caption) == (1, "The file has 1 further combination.")
 
 
 def test_the_summary_states_what_is_missing_and_the_settings_leave_it_out() -> None:
     page = page_of((ON, outcomes("dd")), (OFF, outcomes("ddd")), ({"battery": 33}, []))
-    assert page.summary == (
+    assert page.intro == [
         "5 episodes in 2 combinations of settings, seeds from 0 to 2, 2 to 3 episodes each, "
         "1 further combination not yet started"
-    )
-    assert "33" not in dict(page.settings)["battery"]
+    ]
+    [settings] = part_of(page, "Settings")
+    assert "33" not in dict(settings.rows)["battery"]
