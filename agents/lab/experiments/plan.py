@@ -98,17 +98,17 @@ def _parse(content: Mapping[str, Any]) -> PlanFile:
     unknown = [key for key in content if key not in allowed]
     if unknown:
         raise ParameterError(f"unknown key {brief(unknown[0])}; allowed: {', '.join(allowed)}")
-    choices: dict[str, Any] = {}
-    for group in ("settings", *PHYSICAL):
-        table = content.get(group, {})
+    tables = {group: content.get(group, {}) for group in ("settings", *PHYSICAL)}
+    for group, table in tables.items():
         if not isinstance(table, dict):
             raise ParameterError(f"{group} is {brief(table)}; it must be a table, [{group}]")
-        for key, choice in table.items():
-            name = key if group == "settings" else f"{group}.{key}"
-            find(name)
-            if name in choices:
-                raise ParameterError(f"{name} is given twice")
-            choices[name] = choice
+    choices = {
+        key if group == "settings" else f"{group}.{key}": choice
+        for group, table in tables.items()
+        for key, choice in table.items()
+    }
+    for name in choices:
+        find(name)
     numbers: dict[str, Any] = {
         key: checked(key, content[key], check) for key, check in NUMBERS.items() if key in content
     }

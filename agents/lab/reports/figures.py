@@ -28,7 +28,7 @@ from agents.lab.experiments.case import TILES
 from agents.lab.parameters import Value, shown
 from agents.lab.reports.results import LONE, Design, Experiment, Factor, ReportedMeasure, Results
 from agents.lab.trials.figure import reach
-from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, Interval
+from agents.lab.trials.interval import CONFIDENCE, Interval
 from agents.lab.trials.rows import MODES_OF
 from warehouse_core.records import failure_modes as modes
 from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
@@ -67,7 +67,7 @@ def pictures(experiment: Experiment) -> Iterator[Picture]:
         if measure.is_physical:
             drawn, title = bodies, f"{title}, backend {listed(backends)}" if backends else title
         if figure := measure_figure(drawn, title, measure):
-            words = f"{title}: {measure.what}, {_intervals(drawn, measure)}{drawn.left_out}."
+            words = f"{title}: {measure.what}, with {CONFIDENCE:.0%} intervals{drawn.left_out}."
             yield Picture(measure.name, words, svg_of(figure))
     words = f"{kind.modes_title}, as shares{chart.left_out}."
     yield Picture(kind.modes, words, svg_of(modes_figure(chart, kind.modes_title)))
@@ -80,16 +80,6 @@ def svg_of(figure: Figure) -> bytes:
     file = BytesIO()
     save_svg(figure, file)
     return file.getvalue()
-
-
-def _intervals(chart: ReportChart, measure: ReportedMeasure) -> str:
-    """Return a phrase that says which intervals a chart shows."""
-    shown = [interval for each in chart.points if (interval := measured(measure, each))]
-    known = sum(interval.is_known for interval in shown)
-    words = f"with {CONFIDENCE:.0%} intervals" if known else "without intervals"
-    if known < len(shown):
-        words += f", which need {MIN_VALUES} different values of one combination"
-    return words
 
 
 def _maps(experiment: Experiment) -> Iterator[Picture]:
@@ -152,7 +142,6 @@ class ReportChart:
         left_out: End of a caption, which names the factors that the chart leaves out.
         lines: Results by the value along the axis, for each value of the panel and the colour. The
             axis factor does not apply to results at ``None``, which are the same along the axis.
-        points: Results of all lines.
     """
 
     def __init__(self, experiment: Experiment, design: Design) -> None:
@@ -175,7 +164,6 @@ class ReportChart:
                 if (panel, color, value) in found
             })
         }  # fmt: skip
-        self.points = [results for line in self.lines.values() for results in line.values()]
 
 
 def roles_of(design: Design) -> tuple[Factor | None, Factor | None, Factor | None, list[Factor]]:
@@ -387,7 +375,7 @@ def modes_figure(chart: ReportChart, title: str) -> SceneFigure:
     found = {value for line in chart.lines.values() for value in line}
     values = [value for value in (*(axis.values if axis else ()), None) if value in found]
     names = [everywhere if value is None else shown(value) for value in values]
-    occurring = {mode for results in chart.points for mode in results.modes}
+    occurring = {m for line in chart.lines.values() for each in line.values() for m in each.modes}
     in_order = dict.fromkeys([*FIRST_MODES, *MODES_OF[chart.kind.row]])
     keys = {mode: Patch(color=MODE_COLORS[mode]) for mode in in_order if mode in occurring}
     figure, axes = make_panels(

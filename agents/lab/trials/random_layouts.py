@@ -10,17 +10,12 @@ from warehouse_core import Layout, LayoutError, random_layout
 from warehouse_core.world.generators import maze_layout
 from warehouse_core.world.tiles import WALL
 
-TRAINING_LAYOUTS = 2**40
-"""First seed of the layouts for training; layouts with lower seeds are for evaluation."""
+TRAINING_LAYOUTS, MAX_POOL = 2**40, 100_000
+"""First seed of the layouts for training; layouts with lower seeds are for evaluation. Maximum
+number of layouts in a pool, so that the pools of two training seeds share no seed."""
 
-MAX_POOL = 100_000
-"""Maximum number of layouts in a pool, so that the pools of two training seeds share no seed."""
-
-MAZES = 0.4
-"""Share of mazes among varied layouts."""
-
-SMALLEST = 5
-"""Minimum number of rows and of columns in varied layouts."""
+MAZES, SMALLEST = 0.4, 5
+"""Share of mazes among varied layouts, and minimum number of their rows and of their columns."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -103,17 +103,17 @@ class FleetScores:
     @property
     def per_hour(self) -> Interval:
         """Mean number of deliveries per hour over the episodes."""
-        return _mean([math.nan if row.per_hour is None else row.per_hour for row in self.rows])
+        return _mean(math.nan if row.per_hour is None else row.per_hour for row in self.rows)
 
     @property
     def blocked(self) -> Interval:
         """Mean share of the robots' steps in which another robot blocked them."""
-        return _mean([row.blocked_by_robot / (row.steps * self.robots) for row in self.rows])
+        return _mean(row.blocked_by_robot / (row.steps * self.robots) for row in self.rows)
 
 
-def _mean(values: Sequence[float]) -> Interval:
+def _mean(values: Iterable[float]) -> Interval:
     """Return the mean of at least one value."""
-    return mean_interval(np.array(values)) or Interval(math.nan)
+    return mean_interval(np.array(list(values))) or Interval(math.nan)
 
 
 class Measure(NamedTuple):

@@ -5,7 +5,7 @@ Each episode has a seed, so that ``warehouse run --seed`` can show it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -43,7 +43,6 @@ __all__ = ["Task"]
 
 MakeWatch = Callable[[object, str], Watch]
 """Function that returns a ``Watch`` of an episode, given the agent and its name."""
-
 
 MakeNamed = Callable[[str, int, Layout], Agent]
 """Function that returns the agent with a name, given the seed and the layout of its episode."""
@@ -110,13 +109,13 @@ class Task(NamedTuple):
             return WarehouseEnv(layout, self.start_pos, *limits, self.view_radius, backend=backend)
         try:
             from warehouse_physics.drive import DriveEnv
-        except ImportError as error:
-            raise BackendError(not_installed("backend 'drive' needs", error, "physics")) from error
-        try:
+
             return DriveEnv.from_name(
                 self.backend, layout, start_pos=self.start_pos, randomize=self.randomize,
                 moves=self.max_steps, units=self.battery,
             )  # fmt: skip
+        except ImportError as error:
+            raise BackendError(not_installed("backend 'drive' needs", error, "physics")) from error
         except ValueError as error:
             raise BackendError(f"backend {self.backend!r}: {error}") from error
 
@@ -179,8 +178,8 @@ class Task(NamedTuple):
         rows, expanded = [], []  # a search counts the nodes that it has expanded
         for seed in seeds:
             agent = make_agent(seed)
-            watch = make_watch(agent, name)
             with closing(self.make_env(seed)) as env:
+                watch = make_watch(agent, name)
                 episode = run(env, agent, seed, watch, name=name, randomize=self.randomize)
             rows.append(lone_row(episode))
             expanded.append(getattr(agent, "expanded", 0))
@@ -234,16 +233,8 @@ class FleetTask(NamedTuple):
         return FleetBatch(fleets, **self._asdict(), autoreset_mode=SAME_STEP)
 
     def evaluate(self, make_agent: MakeAgent, seeds: Iterable[int]) -> FleetScores:
-        """Run one episode for each seed, with a separate agent for each robot.
-
-        The agent of each robot in each episode has a seed of its own.
-        """
-
-        def make_all(seed: int) -> FleetAgent:
-            first = seed * self.robots
-            return _Each([make_agent(first + robot) for robot in range(self.robots)])
-
-        return self.evaluate_fleet(make_all, seeds)
+        """Run one episode for each seed, with a separate agent and seed for each robot."""
+        return self.evaluate_fleet(lambda seed: _Each(make_agent, seed, self.robots), seeds)
 
     def evaluate_fleet(
         self, make_agent: Callable[[int], FleetAgent], seeds: Iterable[int]
@@ -257,8 +248,8 @@ class FleetTask(NamedTuple):
 class _Each:
     """A fleet agent that combines a separate agent for each robot."""
 
-    def __init__(self, agents: Sequence[Agent]) -> None:
-        self._agents = agents
+    def __init__(self, make_agent: MakeAgent, seed: int, robots: int) -> None:
+        self._agents = [make_agent(seed * robots + robot) for robot in range(robots)]
 
     def reset(self) -> None:
         for agent in self._agents:

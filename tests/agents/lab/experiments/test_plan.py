@@ -44,7 +44,6 @@ INVALID: dict[str, tuple[str | bytes, str]] = {
         ),
         "combinations",
     ),
-    "a setting twice": ("[settings]\n'robot.mass' = 3\n[robot]\nmass = 4", "robot.mass"),
     "a negative seed": ("seed = -1", "seed"),
     "not TOML": ("battery: 3", "line 1"),
     "not UTF-8": (b"\xff\xfe", "plan.toml: 'utf-8' codec can't decode"),
