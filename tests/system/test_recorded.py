@@ -355,7 +355,7 @@ def charts() -> Lines:
     """Yield the figures that compare agents, and the figures of training and of planners."""
     slow = GOOD._replace(steps=30)
     one, other = scores_of([GOOD, slow] * 15), scores_of([GOOD] * 20 + [BAD] * 10)
-    yield from drawn(scores_figure({"small": {"one": one}, "large": {"one": other}}, "A caption"))
+    yield from drawn(scores_figure({"small": {"one": one}, "large": {"one": other}}))
     points = [ExamPoint(60_000 * (n + 1), each) for n, each in enumerate((other, one))]
     yield from drawn(learning_curve("PPO", "A title", points, one))
     curve = {4: Interval(1.0, 0.8, 1.2), 8: Interval(2.5, 2.0, 3.0)}

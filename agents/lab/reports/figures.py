@@ -1,18 +1,15 @@
 """The figures of a report and their captions: charts of measures and outcomes, and heat maps.
 
 The factor with the most values is shown along the axis, and the next two as colours and panels.
-Episodes are pooled over all other factors. A figure is as wide as a phone, where its text is 12 CSS
-pixels high; a desktop shows it larger. ``H`` and ``W`` are the height and the width of a layout in
-cells.
+Episodes are pooled over all other factors. ``H`` and ``W`` are the height and the width of a layout
+in cells.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from io import BytesIO
 from itertools import product
-from textwrap import wrap
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
@@ -27,15 +24,21 @@ from agents.errors import StoreError
 from agents.lab.experiments.case import TILES
 from agents.lab.parameters import Value, shown
 from agents.lab.reports.results import LONE, Design, Experiment, Factor, ReportedMeasure, Results
-from agents.lab.trials.figure import reach
+from agents.lab.trials.figure import (
+    TEXT_SIZE,
+    WIDTH,
+    draw_legend,
+    draw_line,
+    make_panels,
+    scale_axis,
+)
 from agents.lab.trials.interval import CONFIDENCE, Interval
 from agents.lab.trials.rows import MODES_OF
 from warehouse_core.records import failure_modes as modes
 from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
-from warehouse_core.render.palette import INK, PALETTE, PAPER, SERIES
-from warehouse_core.viz.axes import style_chart
+from warehouse_core.render.palette import PALETTE, PAPER, SERIES
 from warehouse_core.viz.axes.heat_map import CellCounts, heat_map
-from warehouse_core.viz.figure import SceneFigure, make_figure, save_svg
+from warehouse_core.viz.figure import SceneFigure, save_svg
 from warehouse_core.wording import counted, listed
 
 MAX_MAPS, MAX_CELLS = 4, 300_000
@@ -177,84 +180,8 @@ def roles_of(design: Design) -> tuple[Factor | None, Factor | None, Factor | Non
     return axis, color, panel, left
 
 
-WIDTH, PANEL_HEIGHT, FOOT, DPI = 3.4, 2.6, 0.45, 100
-"""Width, height of a panel and space below the last panel, in inches, and dots per inch."""
-
-LEFT, RIGHT, ROW, LETTERS = 0.6, 0.12, 0.2, 12.0
-"""Margins left and right of the panels, line height of title and legend, in inches, and number of
-letters of a chart's text that fit into an inch."""
-
-MAX_TICKS, MAX_LETTERS = 10, 20
-"""Maximum number of names along an axis, and maximum number of letters in each."""
-
-TITLE_SIZE, TEXT_SIZE = 11.0, 9.0
-"""Text sizes in points; the smaller one is 12 CSS pixels if the figure is ``WIDTH`` inches wide."""
-
-SMALL: dict[str, Any] = {"fontsize": TEXT_SIZE, "color": INK}
-
-MARKERS, DODGE = "os^Dv*PX", 0.012
-"""Markers of lines, and horizontal distance between lines as a share of the width."""
-
-
-def make_panels(
-    title: str, panels: Sequence[str], labels: Sequence[str], axis: str, places: Mapping[str, float]
-) -> tuple[SceneFigure, list[Axes]]:
-    """Return a figure with a column of panels over one axis, and space for a legend.
-
-    At most ``MAX_TICKS`` names are below the axis, upright if they do not fit side by side. Long
-    names are shortened in the middle.
-
-    Args:
-        title: title of the figure.
-        panels: titles of the panels.
-        labels: labels of the legend.
-        axis: label of the axis.
-        places: place of each name along the axis.
-    """
-    step, half = math.ceil(len(places) / MAX_TICKS), MAX_LETTERS // 2
-    names = [
-        name
-        if len(name) <= MAX_LETTERS
-        else f"{name[: half - 1]}\N{HORIZONTAL ELLIPSIS}{name[-half:]}"
-        for name in list(places)[::step]
-    ]
-    is_upright = sum(len(name) + 1 for name in names) > int((WIDTH - LEFT - RIGHT) * LETTERS)
-    lines = wrap(title, int(WIDTH * 9))
-    above = ROW * (len(lines) + math.ceil(len(labels) / _legend_columns(labels))) + 0.4
-    foot = FOOT + (max(map(len, names)) / LETTERS if is_upright else 0.0)
-    height = above + len(panels) * PANEL_HEIGHT + foot - 0.4
-    figure = make_figure((WIDTH, height), DPI)
-    grid = figure.subplots(len(panels), 1, squeeze=False, sharex=True, sharey=True)
-    figure.subplots_adjust(
-        left=LEFT / WIDTH, right=1 - RIGHT / WIDTH, top=1 - above / height, bottom=foot / height,
-        hspace=0.25,
-    )  # fmt: skip
-    figure.suptitle(
-        "\n".join(lines), x=0.03, y=1 - 0.08 / height, ha="left", va="top", fontsize=TITLE_SIZE,
-        color=INK, parse_math=False,
-    )  # fmt: skip
-    for axes, words in zip(grid.flat, panels, strict=True):
-        style_chart(axes, "y")
-        axes.tick_params(labelsize=TEXT_SIZE, labelcolor=INK, color=INK)
-        axes.set_title(words, loc="left", **SMALL)
-    axes.set_xticks(list(places.values())[::step], names, rotation=90 if is_upright else 0)
-    axes.set_xlabel(axis, **SMALL)
-    return figure, list(grid.flat)
-
-
-def draw_legend(figure: SceneFigure, title: str, keys: Mapping[str, Any]) -> None:
-    """Draw the legend, given as marks by their labels, below the title."""
-    below = 0.1 + ROW * len(wrap(title, int(WIDTH * 9)))
-    figure.legend(
-        list(keys.values()), list(keys), loc="upper left", ncols=_legend_columns(list(keys)),
-        bbox_to_anchor=(0, 1 - below / figure.get_figheight()), frameon=False, labelcolor=INK,
-        fontsize=TEXT_SIZE, columnspacing=1.0, handletextpad=0.5, labelspacing=0.3,
-    )  # fmt: skip
-
-
-def _legend_columns(labels: Sequence[str]) -> int:
-    longest = max(map(len, labels), default=0) + 5
-    return max(int(WIDTH * LETTERS) // longest, 1)
+DODGE = 0.012
+"""Horizontal distance between lines as a share of the width."""
 
 
 def _named(*parts: tuple[Factor | None, Value | None]) -> str:
@@ -301,12 +228,7 @@ def measure_figure(chart: ReportChart, title: str, measure: ReportedMeasure) -> 
     room = 0.06 * (last - first) if axis.is_ordered else 0.5
     for each in axes:
         each.set_xlim(first - room, last + room)
-        if measure.unit == "%":
-            each.yaxis.set_major_formatter(PercentFormatter(1))
-            each.set_ylim(-0.02, 1.02)
-        else:
-            each.set_ylim(bottom=0)
-            each.set_ylabel(measure.unit, **SMALL)
+        scale_axis(each, measure.unit)
     if chart.color:
         draw_legend(figure, title, keys)
     return figure
@@ -328,15 +250,9 @@ def _draw_line(
     line: str,
 ) -> Any:
     """Draw the results of one colour by place, and return the mark for the legend."""
-    key: Any = None
-    look: dict[str, Any] = {"color": SERIES[number], "linewidth": 1.6}
-    if points:
-        middle = [each.estimate for each in points.values()]
-        key = axes.errorbar(
-            list(points), middle, reach(points.values()), fmt=MARKERS[number], capsize=3,
-            markersize=5, linestyle=line, **look,
-        )  # fmt: skip
+    key = draw_line(axes, points, number, line) if points else None
     if everywhere:
+        look: dict[str, Any] = {"color": SERIES[number], "linewidth": 1.6}
         key = axes.axhline(everywhere.estimate, linestyle=(0, (5, 2)), **look)
         axes.axhspan(everywhere.low, everywhere.high, color=SERIES[number], alpha=0.15, lw=0)
     return key

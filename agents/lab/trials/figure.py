@@ -1,14 +1,18 @@
-"""Figures that compare agents by several measures, and planners by the number of robots."""
+"""Charts of measures with their intervals: the panels of all charts, and comparisons.
+
+A panel is as wide as a phone, where its text is 12 CSS pixels high; a desktop shows it larger.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import ceil
-from textwrap import fill
+from textwrap import wrap
 from typing import Any
 
+import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.ticker import EngFormatter, LogLocator, MaxNLocator, NullFormatter, PercentFormatter
+from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter, PercentFormatter
 
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.scores import MEASURES, Measure, Scores
@@ -17,99 +21,159 @@ from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.wording import printable
 
-WIDTH, ROW_HEIGHT, DPI, GREY = 11.5, 0.4, 110, "0.35"
-"""Width of the figure and height of a row in inches, dots per inch, and colour of small text."""
+WIDTH, PANEL_HEIGHT, FOOT, DPI, PIXELS = 3.4, 2.6, 0.45, 100, 150
+"""Width, height of a panel and space below the last panel, in inches, dots per inch of figures on
+pages, and of comparisons, which may be saved as pixels."""
 
-COLUMNS, TITLE, ABOVE, BELOW, FOOT = 3, 0.3, 0.42, 0.5, 0.55
-"""Number of panels in a line, and heights in inches of a title, of the space above and below a line
-of panels, and of the caption."""
+LEFT, RIGHT, ROW, LETTERS = 0.6, 0.12, 0.2, 12.0
+"""Margins left and right of the panels, line height of title and legend, in inches, and number of
+letters of a chart's text that fit into an inch."""
 
-MAX_LETTERS, LETTER = 36, 0.0068
-"""Maximum length of an agent's name in letters, and width of a letter as a share of the figure."""
+MAX_TICKS, MAX_LETTERS = 10, 20
+"""Maximum number of names along an axis, and maximum number of letters in each."""
 
-CAPTION_LETTERS, ROOM = 165, 1.4
-"""Number of letters in a line of the caption, and factor by which a logarithmic axis extends below
-the lowest value and above the highest."""
+TITLE_SIZE, TEXT_SIZE = 11.0, 9.0
+"""Text sizes in points; the smaller one is 12 CSS pixels if a panel is ``WIDTH`` inches wide."""
 
-CURVES_SIZE, CURVES_DPI, MARKERS = (8.0, 4.6), 150, "osD^vPX*"
-"""Size in inches and dots per inch of a figure of curves, and the markers of its lines."""
+SMALL: dict[str, Any] = {"fontsize": TEXT_SIZE, "color": INK}
+
+MARKERS = "os^Dv*PX"
+
+BOUND: dict[str, Any] = {"color": "0.45", "linestyle": "--", "linewidth": 1.6}
+"""Look of a curve without intervals that no other one can exceed."""
 
 
-def scores_figure(
-    groups: Mapping[str, Mapping[str, Scores]],
-    caption: str = "",
-    measures: Sequence[Measure] = MEASURES,
-) -> SceneFigure:
-    """Draw the scores of the same agents in one or several tasks, with 95% intervals.
+def make_panels(
+    title: str,
+    panels: Sequence[str],
+    labels: Sequence[str],
+    axis: str,
+    places: Mapping[str, float],
+    columns: int = 1,
+) -> tuple[SceneFigure, list[Axes]]:
+    """Return a figure with panels over one axis, and space for a legend.
 
-    Each task has a title, a panel for each measure, and in each panel a row for each agent.
+    At most ``MAX_TICKS`` names are below the axis, upright if they do not fit side by side. Long
+    names are shortened in the middle. Panels in a single column have the same scale.
+
+    Args:
+        title: title of the figure.
+        panels: titles of the panels.
+        labels: labels of the legend.
+        axis: label of the axis.
+        places: place of each name along the axis.
+        columns: number of columns of panels.
     """
-    names = [fitting(name) for name in next(iter(groups.values()))]
-    rows, high = ceil(len(measures) / COLUMNS), ROW_HEIGHT * len(names)
-    line = ABOVE + high + BELOW
-    height = len(groups) * (TITLE + rows * line) + FOOT
-    figure = make_figure((WIDTH, height), DPI)
-    left = 0.035 + LETTER * max(map(len, names))
-    wide = (0.965 - left) / COLUMNS
-    top = height - 0.12
-    for title, scores in groups.items():
-        figure.text(
-            0.012, top / height, title, fontsize=11, fontweight="bold", color=INK, va="top",
-            parse_math=False,
-        )  # fmt: skip
-        for number, measure in enumerate(measures):
-            row, column = divmod(number, COLUMNS)
-            bottom = top - TITLE - row * line - ABOVE - high
-            box = left + column * wide, bottom / height, 0.84 * wide, high / height
-            axes = figure.add_axes(box)
-            draw_measure(axes, measure, {name: measure.of(each) for name, each in scores.items()})
-            axes.set_yticks(range(len(names)), names, fontsize=10, parse_math=False)
-            axes.tick_params(axis="y", labelleft=not column, labelsize=10)
-        top -= TITLE + rows * line
-    words = fill(caption, CAPTION_LETTERS)
-    figure.text(0.012, 0.1 / height, words, fontsize=9, color=GREY, parse_math=False)
+    step, half = ceil(len(places) / MAX_TICKS), MAX_LETTERS // 2
+    names = [
+        name
+        if len(name) <= MAX_LETTERS
+        else f"{name[: half - 1]}\N{HORIZONTAL ELLIPSIS}{name[-half:]}"
+        for name in list(places)[::step]
+    ]
+    is_upright = sum(len(name) + 1 for name in names) > int((WIDTH - LEFT - RIGHT) * LETTERS)
+    wide, rows = columns * WIDTH, ceil(len(panels) / columns)
+    lines = wrap(title, int(wide * 9))
+    above = ROW * (len(lines) + ceil(len(labels) / _legend_columns(labels, wide))) + 0.4
+    foot = FOOT + (max(map(len, names)) / LETTERS if is_upright else 0.0)
+    height = above + rows * PANEL_HEIGHT + foot - 0.4
+    figure = make_figure((wide, height), DPI)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=columns == 1)
+    figure.subplots_adjust(
+        left=LEFT / wide, right=1 - RIGHT / wide, top=1 - above / height, bottom=foot / height,
+        hspace=0.25,
+    )  # fmt: skip
+    figure.suptitle(
+        "\n".join(lines), x=0.03 / columns, y=1 - 0.08 / height, ha="left", va="top",
+        fontsize=TITLE_SIZE, color=INK, parse_math=False,
+    )  # fmt: skip
+    for axes, words in zip(grid.flat, panels, strict=True):
+        style_chart(axes, "y")
+        axes.tick_params(labelsize=TEXT_SIZE, labelcolor=INK, color=INK)
+        axes.set_title(words, loc="left", **SMALL)
+    for axes in grid[-1]:
+        axes.set_xticks(list(places.values())[::step], names, rotation=90 if is_upright else 0)
+        axes.set_xlabel(axis, **SMALL)
+    return figure, list(grid.flat)
+
+
+def draw_legend(figure: SceneFigure, title: str, keys: Mapping[str, Any]) -> None:
+    """Draw the legend, given as marks by their labels, below the title."""
+    wide = figure.get_figwidth()
+    below = 0.1 + ROW * len(wrap(title, int(wide * 9)))
+    figure.legend(
+        list(keys.values()), list(keys), loc="upper left",
+        ncols=_legend_columns(list(keys), wide),
+        bbox_to_anchor=(0, 1 - below / figure.get_figheight()), frameon=False, labelcolor=INK,
+        fontsize=TEXT_SIZE, columnspacing=1.0, handletextpad=0.5, labelspacing=0.3,
+    )  # fmt: skip
+
+
+def _legend_columns(labels: Sequence[str], wide: float) -> int:
+    longest = max(map(len, labels), default=0) + 5
+    return max(int(wide * LETTERS) // longest, 1)
+
+
+def draw_line(axes: Axes, points: Mapping[float, Interval], number: int, line: str = "-") -> Any:
+    """Draw points with intervals in the colour of a number, and return the mark for the legend."""
+    middle, low, high = zip(*points.values(), strict=True)
+    reach = [
+        [one - other for one, other in zip(middle, low, strict=True)],
+        [other - one for one, other in zip(middle, high, strict=True)],
+    ]
+    return axes.errorbar(
+        list(points), middle, reach, fmt=MARKERS[number % len(MARKERS)], capsize=3, markersize=5,
+        linestyle=line, color=SERIES[number % len(SERIES)], linewidth=1.6,
+    )  # fmt: skip
+
+
+def scale_axis(axes: Axes, unit: str, *, is_log: bool = False) -> None:
+    """Let the axis of a measure begin at 0, show a share as percent, or make it logarithmic."""
+    if is_log:
+        axes.set_yscale("log")
+        low, high = axes.get_ylim()
+        axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,)))
+        axes.yaxis.set_major_formatter(EngFormatter(sep=""))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+    elif unit == "%":
+        axes.yaxis.set_major_formatter(PercentFormatter(1))
+        axes.set_ylim(-0.02, 1.02)
+    else:
+        axes.set_ylim(bottom=0)
+        axes.set_ylabel(unit, **SMALL)
+
+
+@mpl.rc_context({"text.parse_math": False})
+def scores_figure(
+    groups: Mapping[str, Mapping[str, Scores]], measures: Sequence[Measure] = MEASURES
+) -> SceneFigure:
+    """Draw the scores of the same agents in one or several tasks, with a panel for each measure."""
+    titles = list(map(printable, groups))
+    names = [printable(name) for name in next(iter(groups.values()))]
+    title, labels = titles[0], list[str]()
+    if len(titles) > 1:  # the tasks differ in the first part of their titles
+        title, labels = title.partition(", ")[2], [each.partition(", ")[0] for each in titles]
+    figure, panels = make_panels(
+        title, [each.title for each in measures], labels, "",
+        {name: float(place) for place, name in enumerate(names)}, 3 if len(measures) > 4 else 2,
+    )  # fmt: skip
+    keys: dict[int, Any] = {}
+    for axes, measure in zip(panels, measures, strict=True):
+        for number, scores in enumerate(groups.values()):
+            shift = 0.12 * (number - (len(groups) - 1) / 2)
+            found = [measure.of(each) for each in scores.values()]
+            points = {place + shift: each for place, each in enumerate(found) if each}
+            if points:
+                keys.setdefault(number, draw_line(axes, points, number, ""))
+        axes.set_xlim(-0.5, len(names) - 0.5)
+        scale_axis(axes, "%" if measure is MEASURES[0] else "", is_log=measure.is_log)
+    if labels:
+        draw_legend(figure, title, {label: keys[number] for number, label in enumerate(labels)})
+    figure.set_dpi(PIXELS)
     return figure
 
 
-def fitting(name: str) -> str:
-    """Return an agent's name on one line, shortened at the beginning to ``MAX_LETTERS``."""
-    name = printable(name)
-    return name if len(name) <= MAX_LETTERS else f"\N{HORIZONTAL ELLIPSIS}{name[1 - MAX_LETTERS :]}"
-
-
-def draw_measure(axes: Axes, measure: Measure, found: Mapping[str, Interval | None]) -> None:
-    """Draw a measure as a point with its interval for each agent, or "no delivery"."""
-    for place, interval in enumerate(found.values()):
-        if interval is None:
-            axes.annotate(
-                "no delivery", (0.03, place), xycoords=("axes fraction", "data"), va="center",
-                fontsize=9, color=GREY,
-            )  # fmt: skip
-        else:
-            axes.errorbar(
-                interval.estimate, place, xerr=reach([interval]), fmt="o", capsize=3, markersize=5,
-                linewidth=1.6, color=SERIES[0],
-            )  # fmt: skip
-    axes.set_title(measure.title, loc="left", fontsize=10, color=INK)
-    axes.set_ylim(len(found) - 0.4, -0.6)
-    style_chart(axes, "x")
-    axes.tick_params(axis="x", labelsize=9)
-    if measure.is_log:
-        ends = [end for interval in found.values() if interval for end in interval if end > 0]
-        low, high = min(ends, default=1.0), max(ends, default=10.0)
-        axes.set_xscale("log")
-        axes.set_xlim(low / ROOM, high * ROOM)
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,)))
-        axes.xaxis.set_major_formatter(EngFormatter(sep=""))
-        axes.xaxis.set_minor_formatter(NullFormatter())
-    elif measure is MEASURES[0]:
-        axes.xaxis.set_major_formatter(PercentFormatter(1))
-        axes.set_xlim(-0.02, 1.02)
-    else:
-        axes.xaxis.set_major_locator(MaxNLocator(nbins=5))
-        axes.set_xlim(left=0)
-
-
+@mpl.rc_context({"text.parse_math": False})
 def curves_figure(
     curves: Mapping[str, Mapping[int, Interval]], title: str, measure: str, bound: str = ""
 ) -> SceneFigure:
@@ -117,33 +181,17 @@ def curves_figure(
 
     The curve called ``bound`` is dashed and has no intervals.
     """
-    figure = make_figure(CURVES_SIZE, CURVES_DPI)
-    axes = figure.subplots()
-    figure.subplots_adjust(left=0.075, right=0.975, top=0.9, bottom=0.125)
-    figure.suptitle(title, x=0.02, y=0.975, ha="left", fontsize=11, color=INK, parse_math=False)
+    places = {str(size): float(size) for curve in curves.values() for size in curve}
+    figure, [axes] = make_panels(title, [measure], list(curves), "robots", places)
+    keys: dict[str, Any] = {}
     for number, (name, curve) in enumerate(curves.items()):
-        look: dict[str, Any] = {"color": SERIES[number % len(SERIES)], "linewidth": 1.6}
         means = [each.estimate for each in curve.values()]
         if name == bound:
-            axes.plot(list(curve), means, "--", label=name, **look | {"color": "0.45"})
-            continue
-        axes.errorbar(
-            list(curve), means, reach(curve.values()), fmt=f"-{MARKERS[number % len(MARKERS)]}",
-            capsize=3, markersize=5, label=printable(name), **look,
-        )  # fmt: skip
-    axes.set_xlabel("robots", fontsize=9.5, color=INK)
-    axes.set_ylabel(measure, fontsize=9.5, color=INK)
-    axes.set_ylim(bottom=0)
-    axes.set_xticks(list(next(iter(curves.values()))))
-    style_chart(axes)
-    for text in axes.legend(fontsize=9, framealpha=1, edgecolor="none").get_texts():
-        text.set_parse_math(False)
+            [keys[name]] = axes.plot(list(curve), means, **BOUND)
+        else:
+            points = {float(size): each for size, each in curve.items()}
+            keys[printable(name)] = draw_line(axes, points, number)
+    scale_axis(axes, "")
+    draw_legend(figure, title, keys)
+    figure.set_dpi(PIXELS)
     return figure
-
-
-def reach(intervals: Collection[Interval]) -> list[list[float]]:
-    """Return the distances from the estimates to the ends of their intervals, for error bars."""
-    return [
-        [each.estimate - each.low for each in intervals],
-        [each.high - each.estimate for each in intervals],
-    ]

@@ -5,14 +5,19 @@ from helpers.results_files import BAD, GOOD, scores_of
 from agents.lab.trials.figure import scores_figure
 
 
-def test_each_measure_has_a_point_with_its_interval_or_the_words_no_delivery() -> None:
-    figure = scores_figure({"": {"one": scores_of([BAD] * 3), "two": scores_of([GOOD] * 30)}})
+def test_each_measure_has_a_panel_and_each_task_a_colour_without_missing_values() -> None:
+    one = {"one": scores_of([BAD] * 3), "two": scores_of([GOOD] * 30)}
+    figure = scores_figure({"small, 3 each": one, "large, 3 each": one})
     figure.pixels()
-    assert [len(axes.containers) for axes in figure.axes] == [2, 1, 1, 2, 1, 1]
-    words = [[text.get_text() for text in axes.texts] for axes in figure.axes]
-    assert words == [[], ["no delivery"], ["no delivery"], [], ["no delivery"], ["no delivery"]]
-    [first, second] = figure.axes[0].containers
-    assert (first[0].get_xdata()[0], first[0].get_ydata()[0]) == (0, 0)
-    assert (second[0].get_xdata()[0], second[0].get_ydata()[0]) == (1, 1)
-    [ends] = second[2][0].get_segments()
-    assert 0.8 < ends[0][0] < ends[1][0] == 1
+    assert figure._suptitle.get_text() == "3 each"  # type: ignore[attr-defined]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["small", "large"]
+    found = [
+        [[float(each) for each in mark[0].get_xdata()] for mark in axes.containers]
+        for axes in figure.axes
+    ]
+    all_of, one_of = [[-0.06, 0.94], [0.06, 1.06]], [[0.94], [1.06]]
+    assert found == [all_of, one_of, one_of, all_of, one_of, one_of]
+    share = figure.axes[0].containers[0]
+    assert list(share[0].get_ydata()) == [0, 1]
+    assert share[2][0].get_segments()[1][1][1] == 1
+    assert 0.8 < share[2][0].get_segments()[1][0][1] < 0.9
