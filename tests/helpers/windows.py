@@ -19,9 +19,6 @@ from PIL import ImageGrab
 TIMEOUT = 60
 """Seconds to wait for a program."""
 
-STILL_PICTURES = 6
-"""Number of equal pictures in a row after which the picture counts as still."""
-
 MAX_STEPS = 400
 """Steps of the watched episode, enough not to end during a test."""
 
@@ -86,16 +83,6 @@ class Program:
             assert len(pictures) < 20 * MAX_STEPS, "no such picture came"
             pictures.append(self.picture())
         return pictures
-
-    def still(self) -> Picture:
-        """Wait until the picture no longer changes, and return it."""
-        last, times = self.picture(), 1
-        while times < STILL_PICTURES:
-            picture = self.picture()
-            times = times + 1 if picture == last else 1
-            last = picture
-        assert last.step < MAX_STEPS, "the episode ended"
-        return last
 
     def rest(self) -> list[str]:
         """Return the remaining lines, after the program has ended."""
@@ -205,9 +192,6 @@ class Shower(Program):
             words, env=self._environment, capture_output=True, text=True, check=False
         )
         return done.stdout.split()
-
-    def point_at(self, window: str) -> None:
-        self._xdotool("mousemove", "--window", window, "50", "50")
 
     def ask_to_close(self, window: str) -> None:
         """Close a window as its close button would; there is no window manager to draw one."""

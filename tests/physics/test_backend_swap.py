@@ -8,7 +8,7 @@ from helpers.fleet_truth import bodies_move_as_the_grid
 from helpers.rigid_bodies import steps_differ
 from helpers.traces import TRACES, assert_as_recorded, env_of
 
-from warehouse_core import DEFAULT_LAYOUT, Episode, WarehouseEnv, record_episode
+from warehouse_core import DEFAULT_LAYOUT, WarehouseEnv
 from warehouse_core.conformance import run_conformance
 from warehouse_physics import RigidBodyMotion, RobotSpec
 from warehouse_physics.spec import FAST_STEP
@@ -34,16 +34,6 @@ def test_recorded_episodes_are_reproduced(trace: dict[str, Any]) -> None:
     assert_as_recorded(env_of(trace, RigidBodyMotion(record_path=False)), trace)
 
 
-class Waiting:
-    """Always waits."""
-
-    def reset(self) -> None:
-        pass
-
-    def act(self, observation: object) -> str:
-        return "WAIT"
-
-
 @over_specs
 def test_random_episodes_are_equal_on_both_backends(spec: RobotSpec) -> None:
     assert steps_differ(spec, MOVES, layouts=10) > MOVES / 8, "too few hits to compare"
@@ -57,14 +47,6 @@ def test_a_nominal_fleet_of_bodies_equals_a_fleet_on_the_grid(
     stops = bodies_move_as_the_grid(robots, joint_actions, seed=robots)
     assert stops.total() == robots * joint_actions
     assert min(stops["free"], stops["wall"], stops["robot"]) > 0
-
-
-def test_an_episode_without_idle_power_can_be_saved_and_loaded(tmp_path) -> None:
-    env = WarehouseEnv(max_steps=5, backend=RigidBodyMotion(RobotSpec(idle_power=0)))
-    episode = record_episode(env, Waiting())
-    assert episode.joules == 0
-    episode.save(tmp_path / "still.npz")
-    assert Episode.load(tmp_path / "still.npz") == episode
 
 
 def test_a_robot_moved_by_hand_continues_from_its_new_cell() -> None:

@@ -3,16 +3,13 @@
 import math
 import random
 from itertools import combinations
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from warehouse_core import Cell, EpisodeRecorder, FleetEnv, Layout, Outcome, WarehouseEnv
+from warehouse_core import Cell, Layout, Outcome, WarehouseEnv
 from warehouse_core.errors import BackendError
 from warehouse_core.motion import make_motion
-from warehouse_core.records.recorder import FleetRecorder
-from warehouse_core.viz.tracks import track_of_record
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 from warehouse_physics.disturbances import FloorConditions
 
@@ -229,16 +226,3 @@ def test_a_disturbed_fleet_is_reported_correctly(disturbances: Disturbances) -> 
         for one, other in combinations(outcomes, 2):
             apart = math.dist(one.path[-1, 1:3], other.path[-1, 1:3])
             assert apart >= 2 * RobotSpec().radius - 0.01
-
-
-def test_slippery_cells_and_weak_motors_are_recorded_and_drawn(tmp_path: Path) -> None:
-    rough = Disturbances(slippery=frozenset({(1, 2), (0, 0)}), motor_strength=0.5)
-    fleet = FleetEnv(robots=2, backend=RigidBodyMotion(disturbances=rough), max_steps=1)
-    env = WarehouseEnv(backend=RigidBodyMotion(disturbances=rough), max_steps=1)
-    recorder = EpisodeRecorder(env)
-    recorder.step("WAIT")
-    fleet_recorder = FleetRecorder(fleet, seed=1)
-    for episode in (recorder.episode, fleet_recorder.episode):
-        episode.save(tmp_path / "rough.npz")
-        track = track_of_record(type(episode).load(tmp_path / "rough.npz"))
-        assert (track.slippery, track.motor_strength) == (((1, 2),), 0.5)

@@ -106,14 +106,3 @@ def test_a_disc_faces_the_direction_of_its_motion_from_the_first_substep_on() ->
     [west], [south] = (motion.advance([move], [False]) for move in ((0, -1), SOUTH))
     assert west.path[2:, 3] == pytest.approx(math.pi)
     assert south.path[2:, 3] == pytest.approx(math.pi / 2)
-
-
-@over_specs
-def test_readings_are_stored_with_a_record(spec, tmp_path) -> None:
-    episode = recorded(RigidBodyMotion(spec))
-    episode.save(tmp_path / "episode.npz")
-    loaded = Episode.load(tmp_path / "episode.npz")
-    assert loaded == episode
-    assert [motion.readings.tobytes() for motion in loaded.motions] == [
-        motion.readings.tobytes() for motion in episode.motions
-    ]

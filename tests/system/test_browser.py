@@ -24,21 +24,9 @@ pytestmark = pytest.mark.browser
 
 Open = Callable[..., Any]
 
-PHONE = 420
 
 MAGENTA = (255, 0, 255)
 """Colour of the SVG in ``pages.py``."""
-
-TOO_WIDE = """
-() => {
-  for (const each of document.querySelectorAll("details")) each.open = true;
-  const isWide = (each) => each.getBoundingClientRect().right > innerWidth
-    || (each.clientWidth && each.scrollWidth > each.clientWidth && !each.matches(".scroll"));
-  return [...document.body.querySelectorAll("*")]
-    .filter((each) => !each.parentElement.closest(".scroll") && isWide(each))
-    .map((each) => each.outerHTML.slice(0, 80));
-}
-"""
 
 
 @pytest.fixture
@@ -117,20 +105,6 @@ def report_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with Store(fill(folder / "results.sqlite", cases), read_only=True) as store:
         write_page(page, make_page(store))
     return page
-
-
-def test_nothing_but_what_scrolls_in_its_box_is_wider_than_a_phone(
-    file: Path, report_page: Path, tab: Open
-) -> None:
-    write_page(file, a_page_of("a_very_long_name_" * 20))
-    for path, images in ((file, 1), (report_page, 5)):
-        page = tab(path, width=PHONE)
-        assert page.evaluate("document.documentElement.scrollWidth") <= PHONE
-        assert path == file or page.evaluate(TOO_WIDE) == []
-        sizes = page.evaluate("[...document.images].map(each => [each.width, each.naturalWidth])")
-        assert len(sizes) == images
-        # Text of a smaller image would be less than 12 pixels high.
-        assert all(width >= natural - 1 > 0 for width, natural in sizes)
 
 
 def test_the_verdicts_are_seen_at_once_and_the_evidence_after_a_click(

@@ -158,12 +158,6 @@ def test_run_saves_several_files(warehouse: Warehouse, tmp_path: Path) -> None:
     ("line", "file", "frames"),
     [
         ("run --seed 12 --battery 5", "replay-GreedyAgent-grid-12.gif", 6),
-        ("run --agent exploring --seed 5 --max-steps 2", "replay-ExploringAgent-grid-5.gif", 3),
-        (
-            "compare backends --seed 3 --max-steps 1",
-            "compare-GreedyAgent-grid-physics-driving-3.gif",
-            0,
-        ),
         ("compare search --layout corridor --weights 1", "search.gif", 0),
         ("demo bump", "demo-bump.gif", 0),
         ("fleet --robots 2 --max-steps 5 --seed 5", "replay-auto-grid-5.html", 0),

@@ -55,17 +55,6 @@ def test_a_picture_is_shown_pixel_by_pixel(start: Start, pixels: int) -> None:
 
 
 @in_a_window
-@pytest.mark.parametrize("sizes", [(40, 40), (40, 20, 30)])
-def test_the_window_shows_the_last_picture_in_its_size(start: Start, sizes: list[int]) -> None:
-    *before, last = sizes
-    shown = [f"window.show(painted({pixels}, 1, 1), 50)" for pixels in before]
-    program = start("\n".join([*shown, f"show_forever(painted({last}, 1, 2))"]))
-    program.wait_for("open")
-    assert program.shows(program.focus(), painted(last, 1, 2))
-    assert len(program.windows()) == 1
-
-
-@in_a_window
 def test_an_enlarged_window_keeps_its_size_and_scales_the_picture(start: Start) -> None:
     program = start("show_forever(painted(20, 1, 1))")
     program.wait_for("open", 2)
@@ -85,31 +74,3 @@ def test_a_window_closed_by_the_user_stays_closed(start: Start) -> None:
     program.ask_to_close(program.focus())
     program.wait_for("closed", 5)
     assert program.windows() == []
-
-
-@in_a_window
-def test_matplotlibs_keys_do_nothing(start: Start) -> None:
-    program = start("show_forever(painted(20, 1, 1))")
-    program.wait_for("open", 2)
-    window = program.focus()
-    program.point_at(window)
-    program.press("l", "k", "g", "f", "s", "q")
-    program.wait_for("open", 10)
-    assert program.shows(window, painted(20, 1, 1))
-
-
-@in_a_window
-def test_pyplot_does_not_manage_it(start: Start) -> None:
-    program = start("""
-import warnings
-import matplotlib.pyplot as plt
-warnings.simplefilter("error", UserWarning)
-plt.rcParams["figure.autolayout"] = True
-window.show(painted(20, 1, 1), 50)
-print("figures", plt.get_fignums(), plt.rcParams["toolbar"], flush=True)
-plt.close("all")
-show_forever(painted(20, 1, 1))
-""")
-    program.wait_for("figures [] toolbar2")
-    program.wait_for("open", 2)
-    assert program.shows(program.focus(), painted(20, 1, 1))

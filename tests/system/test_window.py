@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from helpers.pictures import ROOM
-from helpers.windows import MAX_STEPS, Picture, Program
+from helpers.windows import MAX_STEPS, Program
 
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 
@@ -70,28 +70,10 @@ def watched(start: Callable[..., Program], long_episode: Path) -> Program:
     return program
 
 
-def paused(watched: Program) -> Picture:
-    watched.press("space")
-    return watched.still()
-
-
 def test_a_window_plays_frame_by_frame(watched: Program) -> None:
     steps = [picture.step for picture in watched.pictures_until(lambda p: p.step >= 25)]
     assert sorted(set(steps)) == list(range(steps[0], steps[-1] + 1))
     assert steps == sorted(steps)
-
-
-def test_a_paused_window_can_be_resized(watched: Program) -> None:
-    window = watched.focus()
-    before = paused(watched)
-    watched.resize(window, before.width + 120, before.height + 60)
-    watched.pictures_until(lambda picture: picture.width != before.width)
-    after = watched.still()
-    assert after.step == before.step
-    assert (after.width, after.height) > (before.width, before.height)
-    watched.resize(window, before.width, before.height + before.height - after.height + 60)
-    watched.pictures_until(lambda picture: picture.width == before.width)
-    assert watched.still() == before
 
 
 def test_q_closes_the_window_and_the_program_continues(watched: Program) -> None:
@@ -153,39 +135,3 @@ def test_play_takes_real_keys(play: Program, tmp_path: Path) -> None:
     assert lines[1:3] == ["game 1", "You on the grid backend, seed 4, random stations"]
     assert lines[-2:] == ["saved e.npz", "saved e.png"]
     assert (tmp_path / "e.png").exists()
-
-
-def test_play_starts_again_on_enter(play: Program, tmp_path: Path) -> None:
-    play.press("Down", "Return", "S", "w", "Escape")
-    lines = play.rest()
-    assert play.code() == 0, lines
-    games = [Episode.load(tmp_path / name) for name in ("e.npz", "e-2.npz")]
-    assert [(game.seed, game.actions) for game in games] == [(4, ["S"]), (5, ["S", "W"])]
-    assert games[1].outcome == "unfinished"
-
-
-WIDE = """
-from warehouse_core import WarehouseEnv
-from warehouse_core.viz.figure import make_window
-import matplotlib.pyplot as plt
-
-figure = make_window((20, 12))
-
-def report(event):
-    print(*figure.canvas.get_width_height(), flush=True)
-
-figure.canvas.mpl_connect("draw_event", report)
-figure.canvas.manager.window.after(1500, lambda: plt.close(figure))
-plt.show()
-"""
-
-
-def test_a_large_figure_fits_the_screen(start: Callable[..., Program]) -> None:
-    program = start(WIDE)
-    sizes = []
-    while (line := program.line()) is not None:
-        sizes.append([int(number) for number in line.split()])
-    width, height = sizes[-1]
-    assert width <= 1400
-    assert height <= 1000 - 90
-    assert width / height == pytest.approx(20 / 12, rel=0.01)

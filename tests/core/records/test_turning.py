@@ -1,7 +1,6 @@
 """Records of fleets whose robots have headings."""
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +14,6 @@ from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import write_arrays
 from warehouse_core.records import FleetRecorder
 from warehouse_core.records.arrays import pack, schema_of, unpack
-from warehouse_core.records.held_up import held_up
-from warehouse_core.viz.tracks.record_track import track_of_record
 
 
 class Turners:
@@ -100,30 +97,3 @@ def test_headings_of_a_fleet_without_them_are_refused() -> None:
     arrays["headings"] = arrays["cells"].astype(np.int8)
     with pytest.raises(RecordError, match="headings are not allowed for moves 'compass'"):
         unpack(arrays)
-
-
-class Scripted:
-    def __init__(self, *steps: list[str]) -> None:
-        self._steps = steps
-
-    def reset(self) -> None:
-        self._left = iter(self._steps)
-
-    def act(self, env: FleetEnv) -> list[str]:
-        return next(self._left)
-
-
-def test_a_replay_shows_where_robots_head_and_are_stopped() -> None:
-    env = FleetEnv(["..", ".."], 2, starts=[(0, 0), (1, 0)], moves="turn", max_steps=4)
-    episode = record_episode(env, Scripted(
-        ["LEFT", "FORWARD"], ["FORWARD", "LEFT"], ["RIGHT", "FORWARD"], ["WAIT", "N"]
-    ))  # fmt: skip
-    assert episode.counted_actions().tolist() == [[0, 1], [0, 0], [1, 0], [4, 7]]
-    assert episode.counted_actions(2).tolist() == [1, 0]
-    frames = list(track_of_record(episode).frames)
-    north, quarter = -math.pi / 2, [[pose.heading for pose in frame.robots] for frame in frames]
-    assert quarter == [[0, 0], [north, 0], [north, north], [0, north], [0, north]]
-    assert [hit.at for frame in frames for hit in frame.hits] == [(0.5, 0.0)]
-    assert held_up(episode).tolist() == [
-        [False, False], [True, False], [False, False], [True, False]
-    ]  # fmt: skip
