@@ -58,17 +58,13 @@ def test_a_missing_file_ends_at_the_first_colon_after_its_drive(file: str) -> No
         ("a\n", ("a\n", None, "")),
     ],
 )
-def test_other_names_are_built_in_names_or_modules(
-    name: str, expected: tuple[str, str | None, str]
-) -> None:
+def test_other_names_are_built_in_names_or_modules(name, expected) -> None:
     parts = split_name(name)
     assert parts == expected
     assert (parts.file, parts.module) == (None, None if expected[1] is None else expected[0])
 
 
-def test_of_two_files_the_longer_one_is_meant(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_of_two_files_the_longer_one_is_meant(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     for name in ("my.py", "my.py:x=1.py", "greedy"):
         Path(name).touch()
@@ -79,9 +75,7 @@ def test_of_two_files_the_longer_one_is_meant(
     assert split_name("folder.py:x=1.py").source == "folder.py"
 
 
-def test_a_file_with_any_suffix_has_no_class(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_with_any_suffix_has_no_class(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     for file in ("a:b", "rate=1.npz", "a:b=c"):
         Path(file).touch()

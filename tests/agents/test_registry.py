@@ -51,9 +51,7 @@ def test_a_built_in_agent_is_made_by_its_name_and_its_arguments() -> None:
     assert isinstance(make_agent("exploring"), ExploringAgent)
 
 
-def test_an_agent_gets_the_layout_the_seed_and_the_arguments_that_it_takes(
-    agent_file: Path,
-) -> None:
+def test_an_agent_gets_the_layout_the_seed_and_the_arguments_that_it_takes(agent_file) -> None:
     hall = Layout(["######", "#P..D#", "######"])
     searching = make_agent("astar", 7, hall)
     assert isinstance(searching, SearchAgent)
@@ -185,9 +183,7 @@ CLASS = "class Mine:\n    "
         ("x = 1\nraise SystemExit(2)\n", "Mine", "agent file {file}: SystemExit: 2 ("),
     ],
 )
-def test_a_file_without_such_an_agent_is_named(
-    agent_file: Path, text: str, name: str, message: str
-) -> None:
+def test_a_file_without_such_an_agent_is_named(agent_file, text, name, message) -> None:
     agent_file.write_bytes(text.encode("latin-1"))
     assert message.format(file=agent_file) in refusal(f"{agent_file}:{name}")
 
@@ -217,9 +213,7 @@ def test_an_agent_imports_the_modules_beside_its_file(tmp_path: Path) -> None:
     assert make_agent(f"{tmp_path / 'one' / 'mine.py'}:Mine").act(observation) == "WAIT"
 
 
-def test_a_file_with_the_name_of_this_package_is_named(
-    agent_file: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_with_the_name_of_this_package_is_named(agent_file: Path, monkeypatch) -> None:
     hidden = agent_file.with_name("agents.py")
     hidden.write_text("WORD = 'N'\n")
     agent_file.write_text("from agents import WORD\n")
@@ -244,9 +238,7 @@ def test_a_file_with_the_name_of_this_package_is_named(
         ("robots.slow:Mine:speed=2", True, "robots.slow"),
     ],
 )
-def test_a_name_says_whether_its_code_is_a_users_and_which_module_has_it(
-    name: str, own: bool, module: str | None
-) -> None:
+def test_a_name_says_whether_its_code_is_a_users_and_which_module_has_it(name, own, module) -> None:
     assert (is_own_code(name), agent_module(name)) == (own, module)
 
 
@@ -285,9 +277,7 @@ def test_arguments_follow_the_file_of_a_trained_agent(tmp_path: Path) -> None:
     assert make_agent(f"ppo:{file}").revisit == 0  # type: ignore[attr-defined]
 
 
-def test_wrong_arguments_of_a_trained_agent_are_errors(
-    network_file: Path, table_file: Path
-) -> None:
+def test_wrong_arguments_of_a_trained_agent_are_errors(network_file, table_file) -> None:
     name = f"ppo:{network_file}"
     assert refusal(f"{name}:memory=3") == (
         f"agent {name!r} takes no argument 'memory'; allowed: sample=VALUE, revisit=VALUE"

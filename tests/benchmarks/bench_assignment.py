@@ -108,9 +108,7 @@ SHIFTS = [
 
 
 @pytest.mark.parametrize(("layout", "robots", "rate", "steps", "shifts"), SHIFTS)
-def test_share_of_what_was_possible(
-    layout: Layout, robots: int, rate: float, steps: int, shifts: int, measured
-) -> None:
+def test_share_of_what_was_possible(layout, robots, rate, steps, shifts, measured) -> None:
     """Batteries are so large that they do not run out, because the optimum ignores them."""
     proved, seconds, most = 0, list[float](), np.zeros(2)
     made = {name: np.zeros(2) for name in ASSIGNMENTS}

@@ -102,9 +102,7 @@ def ratios_of(found: list[Comparison]) -> tuple[float, float, int]:
 
 @pytest.mark.parametrize("robots", MAX_RATIO)
 @pytest.mark.parametrize("name", [*PLANNERS, ONCE])
-def test_plans_are_driven_through_faster_than_in_joint_steps(
-    name: str, robots: int, measured
-) -> None:
+def test_plans_are_driven_through_faster_than_in_joint_steps(name, robots, measured) -> None:
     found = [compare(name, robots, seed) for seed in range(PLANS)]
     makespan, joules, hits = ratios_of(found)
     mean = np.mean([each.driven.seconds / each.steps for each in found])
@@ -227,9 +225,7 @@ def arrivals(paths: list[list[Place]], spec: RobotSpec) -> np.ndarray:
 
 @pytest.mark.parametrize("planner", ["pibt", "windowed", "pibt:guidance=lanes"])
 @pytest.mark.parametrize("kind", ALONE_SPECS)
-def test_robots_alone_are_nearly_as_fast_as_force_and_speed_allow(
-    planner: str, kind: str, measured
-) -> None:
+def test_robots_alone_are_nearly_as_fast_as_force_and_speed_allow(planner, kind, measured) -> None:
     mover = make_planner(planner, 0, LAYOUT, ROBOTS)
     run = run_lifelong(Graph(LAYOUT), mover, ROBOTS, STEPS, 0, STARTS, GOALS)
     paths = routes_of([LAYOUT.cells(cells) for cells in run.cells])

@@ -12,7 +12,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from itertools import cycle
 from pathlib import Path
 from typing import NamedTuple
@@ -207,9 +206,7 @@ def interrupted(line: str, moment: float | None, given: Path, base: Path) -> End
     return Ended(not by_itself, ended - (begun if by_itself else sent), faults)
 
 
-def test_an_interrupt_is_one_line_and_leaves_nothing(
-    tmp_path: Path, measured: Callable[[str, object], None]
-) -> None:
+def test_an_interrupt_is_one_line_and_leaves_nothing(tmp_path, measured) -> None:
     assert all(any(f"{line} ".startswith(f"{leaf} ") for line in COMMANDS) for leaf in LEAVES)
     given, stream = tmp_path / "given", random.Random(SEED)
     inputs(given)

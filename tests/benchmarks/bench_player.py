@@ -1,6 +1,5 @@
 """Speed of a page that plays 1,000 robots, in Chromium without a GPU."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -63,9 +62,7 @@ def load(browser: Any, path: Path) -> Any:
     return page
 
 
-def test_a_page_of_a_thousand_robots_plays_smoothly(
-    tmp_path: Path, measured: Callable[[str, object], None]
-) -> None:
+def test_a_page_of_a_thousand_robots_plays_smoothly(tmp_path, measured) -> None:
     with headless_chromium() as browser:
         page = load(browser, Files(tmp_path)("1000", lambda: [large_fleet(1_000)]))
         for zoom in ZOOMS:

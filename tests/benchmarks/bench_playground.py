@@ -44,9 +44,7 @@ def test_the_core_with_pyodide_in_node(page_folder: Path, measured: Measured) ->
     assert min(steps) >= MIN_STEPS
 
 
-def test_the_first_animation_of_the_playground(
-    page_folder: Path, browser: Any, measured: Measured
-) -> None:
+def test_the_first_animation_of_the_playground(page_folder: Path, browser: Any, measured) -> None:
     cold, warm, sizes = [], [], set()
     with served(page_folder) as address:
         for _ in range(ROUNDS):  # each with an empty cache

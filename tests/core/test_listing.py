@@ -312,9 +312,7 @@ def test_other_actions_are_refused(changed: dict[str, Any]) -> None:
         ({"_normalize_action": lambda self, action: 1.5}, "N", TypeError, "action 1.5 is float"),
     ],
 )
-def test_what_an_override_returns_is_checked(
-    methods: dict[str, Any], action: str, error: type[Exception], expected: str
-) -> None:
+def test_what_an_override_returns_is_checked(methods, action, error, expected) -> None:
     env = subclass(**methods)(["P.D"], (0, 0))
     with pytest.raises(error, match=expected):
         env.step(action)

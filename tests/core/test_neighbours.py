@@ -42,10 +42,7 @@ def test_no_agents_at_all_are_fine(monkeypatch: pytest.MonkeyPatch) -> None:
     warn_of_other_agents()
 
 
-COMMANDS = (
-    "run --seed 1 --save x.html",
-    "grade greedy --rubric rubric.toml",
-)
+COMMANDS = ("run --seed 1 --save x.html", "grade greedy --rubric rubric.toml")
 RUBRIC = """
 title = "Deliver"
 [cases.seen]

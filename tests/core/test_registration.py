@@ -74,9 +74,7 @@ def test_another_module_of_that_name_is_left_alone() -> None:
     assert fake.__loader__ is loader
 
 
-def test_there_is_one_finder_however_often_the_module_is_executed(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_there_is_one_finder_however_often_the_module_is_executed(monkeypatch) -> None:
     monkeypatch.setattr(sys, "meta_path", sys.meta_path.copy())
     importlib.reload(registration)
     names = [type(finder).__name__ for finder in sys.meta_path]

@@ -46,9 +46,7 @@ def test_a_seed_draws_like_the_global_random_and_leaves_it_unchanged() -> None:
 
 
 @pytest.mark.parametrize("randomize", [True, "stations"])
-def test_a_seed_determines_an_episode_however_often_the_environment_was_used(
-    randomize: bool | str,
-) -> None:
+def test_a_seed_determines_an_episode_however_often_the_environment_was_used(randomize) -> None:
     used = WarehouseEnv()
     for seed in range(30):
         expected = WarehouseEnv().reset(randomize, seed)
@@ -173,9 +171,6 @@ def test_a_closed_environment_can_be_closed_again_but_not_stepped() -> None:
     env.close()
     with pytest.raises(RuntimeError, match="reset"):
         env.step("E")
-
-
-# Environments share no state.
 
 
 # The state can be assigned.

@@ -118,9 +118,7 @@ print(save_frames_to_svg([["R."]], "frames"))
 
 
 @pytest.mark.parametrize("display", [False, True])
-def test_a_window_is_made_where_there_is_a_display(
-    monkeypatch: pytest.MonkeyPatch, display: bool
-) -> None:
+def test_a_window_is_made_where_there_is_a_display(monkeypatch, display: bool) -> None:
     import matplotlib.pyplot as plt
 
     plt.switch_backend("agg")
@@ -157,9 +155,7 @@ def test_frames_are_shown_at_once_and_a_record_is_only_returned(
     plt.close("all")
 
 
-def test_a_replay_can_be_saved_after_its_window_was_closed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_replay_can_be_saved_after_its_window_was_closed(tmp_path, monkeypatch) -> None:
     import matplotlib.pyplot as plt
 
     plt.switch_backend("agg")
@@ -178,9 +174,7 @@ def test_a_replay_can_be_saved_after_its_window_was_closed(
     plt.close("all")
 
 
-def test_in_a_notebook_frames_are_not_shown_and_no_message_is_printed(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_in_a_notebook_frames_are_not_shown_and_no_message_is_printed(monkeypatch, capsys) -> None:
     monkeypatch.setattr("warehouse_core.viz.replay.has_display", lambda: False)
     shell = SimpleNamespace(kernel=object())
     notebook = SimpleNamespace(get_ipython=lambda: shell, version_info=(9, 0))
@@ -277,9 +271,7 @@ def test_a_mistake_in_the_frames_makes_no_folder(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_failure_leaves_the_frames_before_it_and_no_part(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failure_leaves_the_frames_before_it_and_no_part(tmp_path, monkeypatch) -> None:
     save_svg, done = figures.save_svg, []
 
     def broken(figure: Any, path: Path, dpi: float) -> None:

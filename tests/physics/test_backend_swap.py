@@ -41,9 +41,7 @@ def test_random_episodes_are_equal_on_both_backends(spec: RobotSpec) -> None:
 
 @pytest.mark.filterwarnings("ignore:.*can keep")
 @pytest.mark.parametrize(("robots", "joint_actions"), [(7, 60), (25, 30)])
-def test_a_nominal_fleet_of_bodies_equals_a_fleet_on_the_grid(
-    robots: int, joint_actions: int
-) -> None:
+def test_a_nominal_fleet_of_bodies_equals_a_fleet_on_the_grid(robots, joint_actions) -> None:
     stops = bodies_move_as_the_grid(robots, joint_actions, seed=robots)
     assert stops.total() == robots * joint_actions
     assert min(stops["free"], stops["wall"], stops["robot"]) > 0

@@ -62,9 +62,7 @@ def cell_at(outcome: Outcome) -> Cell:
         ("grip=0.2,slippery=4-5", Disturbances(slippery=frozenset({(4, 5)}), grip=0.2)),
     ],
 )
-def test_disturbances_may_follow_the_name_of_a_backend(
-    settings: str, expected: Disturbances
-) -> None:
+def test_disturbances_may_follow_the_name_of_a_backend(settings, expected) -> None:
     for name in ("physics", "driving"):
         motion = make_motion(f"{name}:mass=60,{settings}")
         assert motion.disturbances == expected  # type: ignore[attr-defined]

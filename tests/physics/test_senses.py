@@ -5,7 +5,6 @@ import math
 import pickle
 import random
 import statistics
-from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -13,7 +12,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from warehouse_core import Cell, Layout, Motion
+from warehouse_core import Cell, Layout
 from warehouse_core.errors import BackendError
 from warehouse_core.gymnasium_env import WarehouseGymnasiumEnv, WarehouseVectorEnv
 from warehouse_core.motion.base import SCAN_RANGE
@@ -32,9 +31,7 @@ def placed(motion: Any, layout: Layout, *cells: Cell, seed: int | None = 0) -> A
 
 
 @over_motions
-def test_a_scan_goes_from_east_to_south_up_to_walls_robots_and_its_range(
-    kind: Callable[..., Motion],
-) -> None:
+def test_a_scan_goes_from_east_to_south_up_to_walls_robots_and_its_range(kind) -> None:
     motion = placed(kind(RobotSpec(cell_size=2.0)), HALL, (1, 3), (1, 5), (1, 15))
     near, half = 4.0 - 0.35, math.sqrt(2) * 3.0
     first = [near, half, 3.0, half, 7.0, half, 3.0, half]

@@ -59,9 +59,7 @@ def file(tmp_path: Path) -> Path:
     return tmp_path / "report.html"
 
 
-def test_figures_are_shown_on_a_light_card_on_paper_of_the_scheme(
-    file: Path, report_page: Path, tab: Open
-) -> None:
+def test_figures_are_shown_on_a_light_card_on_paper_of_the_scheme(file, report_page, tab) -> None:
     write_page(file, a_page())
     for width, scheme, low, high in ((1200, "light", 240, 255), (500, "dark", 0, 50)):
         pixels = pixels_of(tab(file, scheme, width))
@@ -107,9 +105,7 @@ def report_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return page
 
 
-def test_the_verdicts_are_seen_at_once_and_the_evidence_after_a_click(
-    report_page: Path, tab: Open
-) -> None:
+def test_the_verdicts_are_seen_at_once_and_the_evidence_after_a_click(report_page, tab) -> None:
     answers = tab(report_page).locator(".answer").all()
     assert len(answers) == 2
     for answer in answers:
@@ -148,9 +144,7 @@ def test_a_printed_page_is_light_and_its_details_are_open(report_page: Path, tab
     assert glyphs[0] == glyphs[1] > 4 * 1000
 
 
-def test_names_run_no_script_and_load_nothing(
-    file: Path, tab: Open, server: tuple[str, list[str]]
-) -> None:
+def test_names_run_no_script_and_load_nothing(file, tab, server) -> None:
     address, requested = server
     write_page(file, a_page_of(" ".join([*HOSTILE, loaders(address)])))
     page = tab(file)
@@ -160,9 +154,7 @@ def test_names_run_no_script_and_load_nothing(
     assert counts == [0, 1, 1]
 
 
-def test_an_svg_with_a_script_is_shown_and_the_script_is_not_run(
-    file: Path, tab: Open, server: tuple[str, list[str]]
-) -> None:
+def test_an_svg_with_a_script_is_shown_and_the_script_is_not_run(file, tab, server) -> None:
     address, requested = server
     svg = (
         '<svg xmlns="http://www.w3.org/2000/svg" width="300" height="100">'
@@ -176,9 +168,7 @@ def test_an_svg_with_a_script_is_shown_and_the_script_is_not_run(
     assert (page.title(), requested) == ("A name", [])
 
 
-def test_the_policy_of_the_page_blocks_html_that_was_not_escaped(
-    file: Path, tab: Open, server: tuple[str, list[str]]
-) -> None:
+def test_the_policy_of_the_page_blocks_html_that_was_not_escaped(file, tab, server) -> None:
     address, requested = server
     write_page(file, a_page())
     text = file.read_text(encoding="utf-8")

@@ -71,9 +71,7 @@ def test_an_option_has_one_meaning_in_all_commands_and_a_meaning_one_name() -> N
 
 
 @pytest.mark.parametrize("group", ["", *LEAVES])
-def test_the_help_fits_60_columns_and_cuts_no_summary_off(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, group: str
-) -> None:
+def test_the_help_fits_60_columns_and_cuts_no_summary_off(warehouse, monkeypatch, group) -> None:
     monkeypatch.setenv("COLUMNS", "60")
     out = warehouse(*group.split(), "--help").out
     assert max(map(len, out.splitlines())) <= 60
@@ -118,9 +116,7 @@ def test_a_former_command_prints_its_replacement(refused: Refused) -> None:
         ("compare agents -n 1 --max-steps 9", (*FOR_OTHER_COMMANDS, "scipy", "matplotlib")),
     ],
 )
-def test_a_command_loads_no_library_that_it_does_not_need(
-    tmp_path: Path, line: str, heavy: tuple[str, ...]
-) -> None:
+def test_a_command_loads_no_library_that_it_does_not_need(tmp_path, line, heavy) -> None:
     program = f"""
 import sys
 from agents.lab.commands.cli import main

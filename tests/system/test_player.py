@@ -63,9 +63,7 @@ def test_keys_and_buttons_go_to_steps(page: Shown, track: Track) -> None:
         assert (name, steps(page)) == (name, step)
 
 
-def test_space_plays_and_pauses_at_the_speed_that_is_shown(
-    opened: Open, files: Files, track: Track
-) -> None:
+def test_space_plays_and_pauses_at_the_speed_that_is_shown(opened, files, track) -> None:
     page = opened(files("grid", lambda: [track]), is_held=True)
     for speed, seconds in (("1", 2), ("4", 1), ("0.25", 2)):
         page.press("Home")
@@ -104,9 +102,7 @@ def test_a_page_plays_once_by_itself_and_rests_on_the_end_and_then_starts_again(
 
 
 @pytest.mark.parametrize("stop", ["q", "Space", "canvas.floor"])
-def test_any_key_or_click_stops_a_page_that_plays_by_itself(
-    opened: Open, files: Files, track: Track, stop: str
-) -> None:
+def test_any_key_or_click_stops_a_page_that_plays_by_itself(opened, files, track, stop) -> None:
     page = opened(files("playing", lambda: [track], opens_at=None), is_held=True)
     wait_until(page.page, "player.isPlaying")
     page.page.clock.run_for(600)
@@ -154,9 +150,7 @@ def test_players_in_frames_play_by_themselves_while_they_are_in_sight(
     assert all(player.evaluate("player.isOpening && player.time > 0") for player in players)
 
 
-def test_the_energy_of_a_fleet_is_that_of_its_chart_while_it_plays(
-    opened: Open, files: Files
-) -> None:
+def test_the_energy_of_a_fleet_is_that_of_its_chart_while_it_plays(opened, files) -> None:
     episode = fleet_episode(backend="physics", max_steps=20)
     page = opened(files("fleet of bodies", lambda: [track_of_record(episode)]))
     used = episode.joules.sum(axis=1).cumsum()
@@ -317,9 +311,7 @@ def test_typing_a_number_does_not_play_or_step(crowd: Shown) -> None:
     assert crowd.read("[player.chosen, player.step, player.isPlaying]") == [2, 0, False]
 
 
-def test_an_address_opens_at_its_step_and_robot_and_follows_them(
-    opened: Open, files: Files, fleet: Track
-) -> None:
+def test_an_address_opens_at_its_step_and_robot_and_follows_them(opened, files, fleet) -> None:
     page = opened(files("fleet", lambda: [fleet]), "#robot=3&step=12")
     assert page.read("[player.step, player.chosen]") == [12, 3]
     assert page.page.url.endswith("#step=12&robot=3")

@@ -150,9 +150,7 @@ def simple(frames: list[Frame], **changes: object) -> Track:
     return dataclasses.replace(Track(frames, {}), **changes)  # type: ignore[arg-type]
 
 
-def test_a_hit_is_a_star_with_its_label_while_its_frame_is_shown(
-    opened: Open, files: Files
-) -> None:
+def test_a_hit_is_a_star_with_its_label_while_its_frame_is_shown(opened, files) -> None:
     rows = ("......", "......", "......", "......")
     pose = Pose((2.5, 2.5), 0.0, False)
     frames = [Frame(rows, (pose,), float(step)) for step in range(3)]
@@ -191,9 +189,7 @@ def fleet_frames() -> Iterator[Frame]:
         yield Frame(rows, poses, float(step), fleet=FleetFrame((), items, (1.0, 0.0)))
 
 
-def test_robots_of_a_fleet_show_their_items_age_and_an_empty_battery(
-    opened: Open, files: Files
-) -> None:
+def test_robots_of_a_fleet_show_their_items_age_and_an_empty_battery(opened, files) -> None:
     page = opened(files("two", lambda: [simple(list(fleet_frames()))]), "#robot=1")
     late = to_hex(ORDER_COLORS[3])
     for step, is_late in ((0, True), (2, False)):
@@ -206,9 +202,7 @@ def test_robots_of_a_fleet_show_their_items_age_and_an_empty_battery(
     assert page.share(to_hex(COLORS["H"]), cell(3, 7)) > 0.1
 
 
-def test_the_map_next_to_a_fleet_has_the_cells_in_which_robots_were_held_up(
-    opened: Open, files: Files
-) -> None:
+def test_the_map_next_to_a_fleet_has_the_cells_in_which_robots_were_held_up(opened, files) -> None:
     scheme = "dark"
     held_up = [(1, (0, 2)), (2, (0, 2)), (2, (3, 7))]
     path = files("map", lambda: [simple(list(fleet_frames()), held_up=held_up)])
@@ -252,9 +246,7 @@ def test_marks_have_the_colour_of_their_time(opened: Open, files: Files) -> None
     assert seen == ["mc", "..", "c.", "cc", "c."]
 
 
-def test_a_floor_of_many_columns_has_stations_and_robots_of_a_least_size(
-    opened: Open, files: Files
-) -> None:
+def test_a_floor_of_many_columns_has_stations_and_robots_of_a_least_size(opened, files) -> None:
     rows = ["." * 500 for _ in range(140)]
     rows[70] = "." * 250 + "D" + "." * 249
     pose = Pose((100.5, 20.5), None, False)
@@ -327,9 +319,7 @@ def place_of(page: Shown, robot: int) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("width", [360, 1366])
-def test_an_order_that_waits_leaves_the_letter_of_its_pickup(
-    opened: Open, files: Files, width: int
-) -> None:
+def test_an_order_that_waits_leaves_the_letter_of_its_pickup(opened, files, width) -> None:
     rows, fleet = ("P" + "." * 14 + "D", *["." * 16] * 9), FleetFrame((), (None, None), (1.0, 1.0))
     poses = tuple(Pose((col + 0.5, 4.5), None, False) for col in (3, 5))
     frames = [Frame(rows, poses, float(step), fleet=fleet) for step in range(2)]
@@ -346,9 +336,7 @@ def test_an_order_that_waits_leaves_the_letter_of_its_pickup(
 
 
 @pytest.mark.parametrize("count", [2, 4, 5])
-def test_all_floors_are_above_the_bar_on_a_projector(
-    opened: Open, files: Files, track: Track, count: int
-) -> None:
+def test_all_floors_are_above_the_bar_on_a_projector(opened, files, track, count) -> None:
     page = opened(
         files(f"row of {count}", lambda: [track] * count), viewport={"width": 1280, "height": 720}
     )

@@ -37,9 +37,7 @@ def track_saying(text: str) -> Track:
     return Track(frames, metrics, title=text, ending=text)
 
 
-def test_text_from_users_is_shown_and_not_run(
-    browser: Any, tmp_path: Path, server: tuple[str, list[str]]
-) -> None:
+def test_text_from_users_is_shown_and_not_run(browser, tmp_path, server) -> None:
     address, requested = server
     hostile = [*TEXTS, f"</script>{loaders(address)}", " ".join(TEXTS)[:900]]
     path = tmp_path / "hostile.html"
@@ -61,9 +59,7 @@ def test_text_from_users_is_shown_and_not_run(
     assert requested == []
 
 
-def test_the_policy_blocks_markup_that_got_into_the_page(
-    browser: Any, tmp_path: Path, server: tuple[str, list[str]]
-) -> None:
+def test_the_policy_blocks_markup_that_got_into_the_page(browser, tmp_path, server) -> None:
     address, requested = server
     html = player_page([track_saying("text")])
     main = '<main id="player"'

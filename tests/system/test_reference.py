@@ -3,7 +3,6 @@
 import doctest
 import re
 from collections import Counter
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
@@ -23,9 +22,7 @@ NOT_RUN = {
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_an_example_runs_by_itself(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_example_runs_by_itself(name: str, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     without_display(monkeypatch)
     report: list[str] = []

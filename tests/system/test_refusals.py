@@ -252,9 +252,7 @@ def test_a_wrong_value_is_refused_before_any_work(
         *((line, 1, message) for line, message in IMPOSSIBLE.items()),
     ],
 )
-def test_options_that_do_not_fit_are_refused_before_any_work(
-    refused: Refused, line: str, code: int, message: str
-) -> None:
+def test_options_that_do_not_fit_are_refused_before_any_work(refused, line, code, message) -> None:
     assert message in refused(*line.split(), code=code)
 
 
@@ -306,9 +304,7 @@ def test_all_commands_that_save_are_in_the_table() -> None:
 
 
 @pytest.mark.parametrize("name", SUFFIXES)
-def test_a_file_is_saved_in_a_folder_in_one_of_the_allowed_formats(
-    refused: Refused, name: str
-) -> None:
+def test_a_file_is_saved_in_a_folder_in_one_of_the_allowed_formats(refused, name) -> None:
     [parameter] = (each for each in LEAVES[name].params if each.opts[0] == "--save")
     named = re.findall(r"\.\w+", parameter.help)
     assert {*named} == set(SUFFIXES[name].split(", ")), "the help lists what is allowed"

@@ -134,9 +134,7 @@ def test_solutions_are_in_the_site_for_lecturers_alone(tmp_path: Path) -> None:
     "options",
     [{"viewport": DESKTOP}, {"viewport": PROJECTOR}, {"viewport": PHONE, "color_scheme": "dark"}],
 )
-def test_a_page_is_read_in_a_browser(
-    browser: Any, site: Path, name: str, options: dict[str, Any]
-) -> None:
+def test_a_page_is_read_in_a_browser(browser, site, name, options) -> None:
     with shown(browser, **options) as reading:
         reading.page.goto((site / f"{name}.html").as_uri())
         reading.page.wait_for_load_state("networkidle")

@@ -92,9 +92,7 @@ def test_the_page_runs_and_grades_as_cpython_does(playground: Playground, tmp_pa
     assert playground.errors == []
 
 
-def test_an_exercise_is_chosen_and_graded_and_code_of_the_other_is_kept(
-    playground: Playground,
-) -> None:
+def test_an_exercise_is_chosen_and_graded_and_code_of_the_other_is_kept(playground) -> None:
     playground.page.select_option("[data-part=exercise]", "exercise-02")
     assert "def distance" in playground.page.input_value("[data-part=code]")
     playground.press("grade")
@@ -113,9 +111,7 @@ def test_an_exercise_is_chosen_and_graded_and_code_of_the_other_is_kept(
     assert playground.errors == []
 
 
-def test_the_page_asks_its_own_server_alone_and_for_little(
-    playground: Playground, address: str
-) -> None:
+def test_the_page_asks_its_own_server_alone_and_for_little(playground, address) -> None:
     assert [url for url in playground.requests if not url.startswith((address, "about:"))] == []
     assert 10_000_000 < playground.size < MAX_DOWNLOAD
 

@@ -82,9 +82,7 @@ def test_q_closes_the_window_and_the_program_continues(watched: Program) -> None
     assert watched.code() == 0
 
 
-def test_a_script_of_the_book_shows_its_frames_until_q_and_can_save_them(
-    start: Callable[..., Program], tmp_path: Path
-) -> None:
+def test_a_script_of_the_book_shows_its_frames_until_q_and_can_save_them(start, tmp_path) -> None:
     program = start(BOOK)
     program.focus()
     assert not program.printed
@@ -98,9 +96,7 @@ def test_a_script_of_the_book_shows_its_frames_until_q_and_can_save_them(
 
 
 @pytest.mark.parametrize("option", [[], ["--show", "--save", "e.npz"]])
-def test_run_opens_a_window_that_q_closes(
-    start: Callable[..., Program], tmp_path: Path, option: list[str]
-) -> None:
+def test_run_opens_a_window_that_q_closes(start, tmp_path, option) -> None:
     program = start(WAREHOUSE, "run", "--seed", 5, *option)
     program.focus()
     program.press("space", "Right", "Left", "q")

@@ -27,9 +27,7 @@ def short_trials(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.mark.parametrize("name", ["pibt", "windowed", "circulation"])
-def test_costs_are_learned_once_for_all_seeds_and_guide_robots(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_costs_are_learned_once_for_all_seeds_and_guide_robots(name: str, monkeypatch) -> None:
     calls, learned = [], guidance.learned_costs
     monkeypatch.setattr(
         guidance, "learned_costs", lambda *a, **k: calls.append(a) or learned(*a, **k)
@@ -74,9 +72,7 @@ def test_a_floor_of_one_cell_needs_no_trials(name: str) -> None:
     assert planner.next_cells(situation([0])).tolist() == [0]
 
 
-def test_auto_chooses_by_robots_per_cell_headings_time_and_trials(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_auto_chooses_by_robots_per_cell_headings_time_and_trials(monkeypatch) -> None:
     gain = 2.0
     monkeypatch.setattr(
         guided, "learn", lambda layout, robots: guidance.learn(layout, robots)._replace(gain=gain)

@@ -217,9 +217,7 @@ OPEN = Graph(Layout(["....", "..#.", "...."]))
         (situation([0]), None, "the planner returned None; needed"),
     ],
 )
-def test_a_wrong_step_names_robots_and_cells(
-    before: Situation, chosen: object, message: str
-) -> None:
+def test_a_wrong_step_names_robots_and_cells(before, chosen, message) -> None:
     with pytest.raises(PlanError, match=re.escape(message)):
         check_step(OPEN, before, chosen)
 
@@ -256,9 +254,7 @@ def fail(situation: Situation) -> Integers:
         (lambda given: given.cells * 0 + given.cells[0], "PlanError: robots 0 and 1 are both .*"),
     ],
 )
-def test_a_fault_of_a_planner_stops_the_shift_or_loses_its_step(
-    fault: Callable[[Situation], Integers], message: str
-) -> None:
+def test_a_fault_of_a_planner_stops_the_shift_or_loses_its_step(fault, message) -> None:
     planner = Does(lambda given: fault(given) if len(planner.seen) == 3 else given.cells)
     env = fleet_of(ROOM, starts=[(2, 3), (2, 4)])
     with pytest.raises(EpisodeError, match=f"^seed 7, step 3, agent mine: {message}$"):
@@ -323,9 +319,7 @@ def test_robots_on_the_way_to_a_charger_are_urgent() -> None:
     assert (urgent[0], urgent[-1]) == ([], [0])
 
 
-def test_with_very_many_pairs_orders_are_reassigned_every_few_steps(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_with_very_many_pairs_orders_are_reassigned_every_few_steps(monkeypatch) -> None:
     monkeypatch.setattr("agents.fleet.scheduler.MAX_PAIRS", 0)
     places = (0, 0), (0, 1), (0, 7)
     orders = [Order(3 * (col == 7), 90, (row, col), (0, 9)) for row, col in places]

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.command_line import Refused, Warehouse
 from helpers.training import check_resumed, check_seeds, ignore, shorten_exams
 
 from agents.lab.commands.train import make_clone_learner
@@ -44,9 +43,7 @@ def test_a_clone_delivers_on_mazes_that_it_has_never_seen() -> None:
     assert after.delivered.sum() >= 39 > before
 
 
-def test_a_clone_is_trained_and_run(
-    warehouse: Warehouse, refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_clone_is_trained_and_run(warehouse, refused, monkeypatch, tmp_path) -> None:
     monkeypatch.chdir(tmp_path)
     shorten_exams(monkeypatch)
     ROOM.save("room.txt")

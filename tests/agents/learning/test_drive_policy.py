@@ -1,11 +1,9 @@
 """The network that controls a body: its file, its actions and its use by name."""
 
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.command_line import Warehouse
 
 from agents.errors import AgentError
 from agents.learning import DriveNetwork, DrivePolicy
@@ -52,9 +50,7 @@ def test_an_observation_of_the_grid_is_refused():
             policy.act(observation)
 
 
-def test_the_command_runs_a_policy_in_its_own_environment(
-    warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_the_command_runs_a_policy_in_its_own_environment(warehouse, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     network_of().save("drive.npz")
     assert isinstance(make_agent("drive:drive.npz"), DrivePolicy)

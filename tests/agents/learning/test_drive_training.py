@@ -1,10 +1,7 @@
 """Training of continuous control. Run with ``-m learning``."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from helpers.command_line import Warehouse
 
 from warehouse_core import Layout
 
@@ -40,9 +37,7 @@ def test_a_robot_comes_closer_along_the_shortest_path():
     assert (gained[moves] > 0.1).mean() > 0.5
 
 
-def test_a_short_training_learns_to_deliver_in_a_small_room(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-):
+def test_a_short_training_learns_to_deliver_in_a_small_room(warehouse, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     ROOM.save("room.txt")
     result = warehouse("train", "drive", "--layout", "room.txt", "--steps", 400_000, "-o", "d.npz")

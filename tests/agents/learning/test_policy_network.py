@@ -88,9 +88,7 @@ def test_battery_and_steps_are_not_inputs() -> None:
         ((84, 8, 8, 8, 7), [], "there are 4 layers; there must be 3"),
     ],
 )
-def test_layers_that_do_not_fit_are_an_error(
-    widths: tuple[int, ...], left_out: list[int], message: str
-) -> None:
+def test_layers_that_do_not_fit_are_an_error(widths, left_out, message) -> None:
     layers = layers_of(*widths, stream=np.random.default_rng(1))
     with pytest.raises(ValueError, match=message):
         PolicyNetwork(2, [each for row, each in enumerate(layers) if row not in left_out])

@@ -98,9 +98,7 @@ def test_robots_that_share_a_network_deliver_more_than_greedy_ones() -> None:
     assert learned.per_hour.low > greedy.per_hour.high
 
 
-def test_the_command_trains_an_agent_that_run_takes(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_the_command_trains_an_agent_that_run_takes(warehouse, monkeypatch, tmp_path) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:20])
     ROOM.save("room.txt")
@@ -112,9 +110,7 @@ def test_the_command_trains_an_agent_that_run_takes(
     assert warehouse("run", *words).out.startswith("PPOAgent on the grid backend, seed 1")
 
 
-def test_the_command_resumes_a_training(
-    warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_resumes_a_training(warehouse: Warehouse, tmp_path, monkeypatch) -> None:
     """A training is killed here; test_train.py also interrupts and terminates one."""
     monkeypatch.chdir(tmp_path)
     shorten_exams(monkeypatch)

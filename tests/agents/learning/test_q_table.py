@@ -1,5 +1,4 @@
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -65,9 +64,7 @@ def test_a_table_is_for_the_walls_on_which_it_was_learned(saved: Path) -> None:
         ({"more": np.zeros(3)}, "4 arrays; there must be 3"),
     ],
 )
-def test_a_file_of_something_else_is_an_error(
-    saved: Path, changed: dict[str, Any], says: str
-) -> None:
+def test_a_file_of_something_else_is_an_error(saved, changed, says) -> None:
     with np.load(saved) as file:
         arrays = dict(file)
     np.savez_compressed(saved, **(arrays | changed))

@@ -38,9 +38,7 @@ def tasks(times: list[list[float]], due: list[int] | None = None, now: int = 0) 
         ("urgent", [[2, 1], [9, 3]], [0, 1]),  # nobody is in a hurry
     ],
 )
-def test_two_robots_and_two_orders(
-    name: str, times: list[list[float]], expected: list[int]
-) -> None:
+def test_two_robots_and_two_orders(name, times, expected) -> None:
     assert ASSIGNMENTS[name](tasks(times)).tolist() == expected
 
 
@@ -102,9 +100,7 @@ def test_the_trip_decides_whether_an_order_can_be_in_time() -> None:
     assert ASSIGNMENTS["hungarian"](order).tolist() == [0]
 
 
-def test_without_scipy_the_same_rows_and_columns_match_ties_included(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_without_scipy_the_same_rows_and_columns_match_ties_included(monkeypatch) -> None:
     stream = np.random.default_rng(0)
     samples = [stream.integers(-3, span, stream.integers(0, 10, 2)) for span in (0, 1, 3, 99) * 100]
     expected = [cheapest_matching(costs.astype(np.float64)) for costs in samples]

@@ -1,6 +1,5 @@
 """Circulations: joint steps for which an auction chooses the moves of all robots."""
 
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -12,7 +11,7 @@ from agents.mapf.circulation import Circulation, dead_ends, kept_aims, waits_for
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.places import NONE
 from agents.mapf.lifelong import run_lifelong
-from agents.mapf.planner import NO_CELLS, PlacePlanner, Situation
+from agents.mapf.planner import NO_CELLS, Situation
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
 
@@ -44,9 +43,7 @@ def test_robots_on_a_full_ring_turn_and_go_round_together() -> None:
     )
 
 
-def test_on_full_floors_circulations_reach_what_others_do_not(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_on_full_floors_circulations_reach_what_others_do_not(monkeypatch) -> None:
     graph = Graph(random_layout(10, 10, 0.1, seed=1))
     planners = Circulation(graph), WindowedPlanner(graph, 4, 4), WindowedPlanner(graph, 4, 4)
     alone = planners[2]._make_rounds
@@ -100,9 +97,7 @@ def test_robots_wait_until_others_that_go_elsewhere_have_come_out_of_dead_ends()
 
 
 @pytest.mark.parametrize("make", [Circulation, partial(WindowedPlanner, window=6, groups=6)])
-def test_robots_that_meet_in_a_dead_end_come_past_each_other(
-    make: Callable[[Graph], PlacePlanner],
-) -> None:
+def test_robots_that_meet_in_a_dead_end_come_past_each_other(make) -> None:
     graph = Graph(Layout(["......", "......", "##.###", "##.###", "##.###"]))
     planner, cells, goals = make(graph), np.array([14, 20]), np.array([26, 5])
     for _ in range(40):

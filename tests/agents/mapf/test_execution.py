@@ -79,9 +79,7 @@ def test_robots_behind_one_that_has_died_are_named() -> None:
         drive_through(CORRIDOR, plan, None, dead)
 
 
-def test_robots_that_get_nowhere_though_they_move_are_named(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_robots_that_get_nowhere_though_they_move_are_named(monkeypatch) -> None:
     monkeypatch.setattr(execution, "MAX_SLOWNESS", 0.1)
     monkeypatch.setattr(execution, "PATIENCE", 1.5)
     with pytest.raises(PlanError, match="after 3 s robot 0 has not arrived"):

@@ -1,8 +1,6 @@
 """Graphs of layouts, the distances in them, and planners that count turns."""
 
-from collections.abc import Callable
 from itertools import pairwise, product
-from typing import Any
 
 import numpy as np
 import pytest
@@ -73,9 +71,7 @@ HEADED = [Circulation, WindowedPlanner]
 
 
 @pytest.mark.parametrize(("make", "has_headings"), [(PIBT, False), *product(HEADED, (False, True))])
-def test_closed_cells_are_entered_once_they_are_open(
-    make: Callable[[Graph], Any], has_headings: bool
-) -> None:
+def test_closed_cells_are_entered_once_they_are_open(make, has_headings) -> None:
     """A robot goes round closed cells, and then into one of them."""
     graph = Graph(Layout([".....", ".###.", "....."]))
     planner, cells, headings = make(graph), np.array([0]), np.array([1])
@@ -94,9 +90,7 @@ def test_closed_cells_are_entered_once_they_are_open(
 
 @pytest.mark.parametrize("make", HEADED)
 @pytest.mark.parametrize("has_headings", [False, True])
-def test_crowds_keep_out_of_cells_that_are_closed_now_and_then(
-    make: Callable[[Graph], Any], has_headings: bool
-) -> None:
+def test_crowds_keep_out_of_cells_that_are_closed_now_and_then(make, has_headings) -> None:
     """Pushed robots also avoid closed cells, even if only the graph knows of them."""
     graph, stream = Graph(random_layout(9, 9, 0.1, seed=4)), np.random.default_rng(5)
     planner, open_cells = make(graph), graph.layout.open_cells

@@ -20,9 +20,7 @@ def _few_fields(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("kind", [PIBT, Circulation])
-def test_few_fields_are_kept_and_robots_reach_almost_as_many_goals(
-    kind: type, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_few_fields_are_kept_and_robots_reach_almost_as_many_goals(kind: type, monkeypatch) -> None:
     graph = Graph(LAYOUT)
     planner = kind(graph)
     found = run_lifelong(graph, planner, robots=60, steps=60, seed=1)

@@ -1,6 +1,5 @@
 """The replay of the world beside the belief of the exploring agent."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 
 from agents.search.agents import ExploringAgent
 from agents.search.belief_replay import Insight, belief_tracks, believed_tiles, noted
-from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, record_episode
+from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
 
 DETOUR = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
 
@@ -57,9 +56,7 @@ def test_the_route_leads_from_the_robot_to_its_goal() -> None:
          "###????? #P.????? #D.????? ????????", 9),
     ],
 )  # fmt: skip
-def test_at_first_only_the_view_and_two_stations_are_known(
-    rows: Sequence[str], start: Cell, tiles: str, seen: int
-) -> None:
+def test_at_first_only_the_view_and_two_stations_are_known(rows, start, tiles, seen) -> None:
     env = WarehouseEnv(rows, start, view_radius=1)
     _, history = recorded(env, randomize=False)
     assert believed_tiles(env.layout, history)[0] == tuple(tiles.split())

@@ -176,6 +176,3 @@ def test_the_stations_are_those_of_the_layout_unless_others_are_given() -> None:
 def test_a_cell_that_is_not_open_is_an_error(kind: Any, cells: dict[str, Any], words: str) -> None:
     with pytest.raises(LayoutError, match=f"^{re.escape(words)}"):
         kind(DEFAULT_LAYOUT, **cells)
-
-
-# The validator.

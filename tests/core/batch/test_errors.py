@@ -28,9 +28,7 @@ from warehouse_core.world import tables as floor_tables
     ids=repr,
 )
 @over_modes
-def test_invalid_actions_raise_and_change_nothing(
-    mode: str, actions: Any, error: type, message: str
-) -> None:
+def test_invalid_actions_raise_and_change_nothing(mode, actions, error, message) -> None:
     batch = BatchEnv(3, max_steps=2, autoreset_mode=mode)
     batch.reset(seed=0)
     for _ in range(1 if mode == DISABLED else 2):
@@ -53,9 +51,7 @@ def test_invalid_actions_raise_and_change_nothing(
     ids=repr,
 )
 @pytest.mark.parametrize("mask", [None, np.array([True, False, False])], ids=["all", "mask"])
-def test_invalid_seeds_raise_and_change_nothing(
-    seed: Any, mask: Any, error: type, message: str
-) -> None:
+def test_invalid_seeds_raise_and_change_nothing(seed, mask, error, message) -> None:
     batch = BatchEnv(3)
     batch.reset(seed=0)
     batch.step([EAST, SOUTH, WEST])

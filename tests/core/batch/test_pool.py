@@ -64,9 +64,7 @@ def test_each_row_equals_a_single_environment_in_the_layouts_it_draws(
         ({"pool": [Layout(["#.#"])]}, LayoutError, "randomize needs two open cells"),
     ],
 )
-def test_a_pool_that_cannot_be_used_raises(
-    settings: dict[str, Any], error: type[Exception], message: str
-) -> None:
+def test_a_pool_that_cannot_be_used_raises(settings, error, message) -> None:
     with pytest.raises(error, match=message):
         BatchEnv(ROWS, **settings)
 

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from helpers.batches import CHARGED, DISABLED, MIXED, leaves, over_modes, same, some_batch
 
-from warehouse_core import Layout
-
 LAYOUTS = [*MIXED, *CHARGED[:-1]]
 
 over_layouts = pytest.mark.parametrize("layouts", [MIXED, LAYOUTS], ids=["bare", "chargers"])
@@ -15,9 +13,7 @@ over_layouts = pytest.mark.parametrize("layouts", [MIXED, LAYOUTS], ids=["bare",
 
 @over_modes
 @over_layouts
-def test_changing_returned_or_given_values_changes_nothing_else(
-    mode: str, layouts: list[Layout]
-) -> None:
+def test_changing_returned_or_given_values_changes_nothing_else(mode, layouts) -> None:
     batch, twin = (some_batch(mode, layouts, max_steps=5) for _ in range(2))
     moves = np.random.default_rng(2).integers(7, size=(12, len(layouts)))
 

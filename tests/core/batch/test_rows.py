@@ -65,9 +65,7 @@ def test_every_row_equals_a_single_warehouse(mode: str, randomize: bool | str, r
         (DISABLED, "stations", 1),
     ],
 )
-def test_every_row_with_chargers_equals_a_single_warehouse(
-    mode: str, randomize: bool | str, radius: int
-) -> None:
+def test_every_row_with_chargers_equals_a_single_warehouse(mode, randomize, radius) -> None:
     """Batteries last from one step, after which a charger can still help, to a whole episode."""
     layouts = CHARGED if randomize in (False, "start") else CHARGED[:-1]
     for battery in (1, 5, 12, 60):

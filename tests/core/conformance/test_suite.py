@@ -409,9 +409,7 @@ def refuse() -> Motion:
         (refuse, "it raised OSError('no licence')"),
     ],
 )
-def test_an_exception_in_a_motion_is_a_failure_of_the_check(
-    make_motion: Callable[[], Motion], detail: str
-) -> None:
+def test_an_exception_in_a_motion_is_a_failure_of_the_check(make_motion, detail) -> None:
     failures = failed_by(make_motion)
     moved = [name for name in NAMES if name != "check_a_closed_batch_does_not_move"]
     assert [name for name in failures if name in moved] == moved

@@ -28,9 +28,7 @@ def test_a_file_appears_complete(tmp_path: Path) -> None:
     assert target.read_text() == "replaced"
 
 
-def test_the_temporary_file_is_in_a_private_folder_with_the_name_of_the_target(
-    tmp_path: Path,
-) -> None:
+def test_the_temporary_file_is_in_a_private_folder_with_the_name_of_the_target(tmp_path) -> None:
     with atomic_path(tmp_path / "film.gif") as part:
         assert part.name == "film.gif"
         assert part.parent.parent == tmp_path
@@ -132,9 +130,7 @@ WRITERS: dict[str, Callable[[Path], object]] = {
 # NumPy 1 leaves a ZIP file open that it could not write; Python closes it later and warns.
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("writer", WRITERS)
-def test_on_a_full_disk_the_old_file_stays_and_the_message_names_it(
-    full_disk: Path, writer: str
-) -> None:
+def test_on_a_full_disk_the_old_file_stays_and_the_message_names_it(full_disk, writer) -> None:
     target, before = full_disk / "old", [*full_disk.iterdir()]
     with pytest.raises(OSError, match=rf"No space left on device: '{target}'$"):
         WRITERS[writer](target)

@@ -105,9 +105,7 @@ def test_arrays_are_read_as_written(tmp_path: Path) -> None:
         assert not arrays[name].flags.writeable
 
 
-def test_arrays_above_the_limit_are_not_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_arrays_above_the_limit_are_not_written(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(npz_module, "MAX_BYTES", 67)
     with pytest.raises(RecordError, match="68 bytes are more than MAX_BYTES = 67"):
         write_arrays(tmp_path / "a.npz", good_arrays(), SCHEMA)
@@ -161,9 +159,7 @@ def test_a_member_that_states_a_wrong_size_is_not_unpacked(refused: Refused) -> 
     assert "CRC" in refused(small)
 
 
-def test_the_limit_is_on_all_members_together(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_limit_is_on_all_members_together(refused: Refused, monkeypatch) -> None:
     monkeypatch.setattr(npz_module, "MAX_BYTES", 1000)
     half = bytes(501)
     assert "MAX_BYTES" in refused(zipped({"words.npy": half, "points.npy": half}))

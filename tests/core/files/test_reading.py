@@ -65,9 +65,7 @@ def others(tmp_path: Path) -> dict[str, Path]:
 
 
 @pytest.mark.parametrize("read", READERS.values(), ids=READERS)
-def test_what_is_no_file_is_not_opened_and_not_waited_for(
-    others: dict[str, Path], read: Callable[[Path], Any]
-) -> None:
+def test_what_is_no_file_is_not_opened_and_not_waited_for(others, read) -> None:
     for name, path in others.items():
         kind = "pipe" if name == "link" else name
         with pytest.raises(OSError, match=f"it is a {kind}, not a file") as caught:

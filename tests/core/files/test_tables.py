@@ -26,9 +26,7 @@ def test_a_table_with_other_characters_than_ascii_begins_with_a_mark(tmp_path: P
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_a_table_is_read_in_every_form_in_which_spreadsheets_save_it(
-    tmp_path: Path, form: str
-) -> None:
+def test_a_table_is_read_in_every_form_in_which_spreadsheets_save_it(tmp_path, form: str) -> None:
     path, orders = (
         tmp_path / "orders.csv",
         [Order(0, 50, (1, 3), (5, 6)), Order(2, 9, (1, 1), (2, 2), 4)],

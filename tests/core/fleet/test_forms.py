@@ -93,9 +93,7 @@ def test_copies_of_a_fleet_go_on_like_it_in_both_forms(form: str) -> None:
 
 
 @pytest.mark.parametrize("orders", [None, 0.3])
-def test_both_forms_give_equal_results_on_many_floors(
-    orders: float | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_both_forms_give_equal_results_on_many_floors(orders: float | None, monkeypatch) -> None:
     each = []
     for loops in (False, True):
         use_loops(monkeypatch, loops)
@@ -172,9 +170,7 @@ def test_robots_that_fail_end_in_both_forms(monkeypatch: pytest.MonkeyPatch) -> 
         lambda outcome: outcome._replace(blocked=outcome.blocked[:, None]),
     ],
 )
-def test_loops_read_no_outcome_that_leads_outside_of_their_tables(
-    change: Callable[[BatchOutcome], BatchOutcome], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_loops_read_no_outcome_that_leads_outside_of_their_tables(change, monkeypatch) -> None:
     use_loops(monkeypatch, loops=True)
     fleet = FleetEnv(SMALL, 2, backend=ForeignMotion(change))
     fleet.reset(seed=1)

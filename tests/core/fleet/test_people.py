@@ -6,7 +6,6 @@ from warehouse_core import FleetEnv, Layout, random_layout
 from warehouse_core.batch import people
 from warehouse_core.batch.fleet_settings import HABITS
 from warehouse_core.fleet import People
-from warehouse_core.motion.backends import Backend
 
 CORRIDOR = Layout(["....."])
 
@@ -27,9 +26,7 @@ def walk(layout: Layout, crowd: People, steps: int, seed: int = 1) -> np.ndarray
 
 @over_habits
 @pytest.mark.parametrize("backend", ["grid", "physics"])
-def test_people_are_never_in_a_wall_in_a_robot_or_in_each_other(
-    habit: str, backend: Backend
-) -> None:
+def test_people_are_never_in_a_wall_in_a_robot_or_in_each_other(habit, backend) -> None:
     layout = random_layout(7, 7, 0.25, seed=4)
     steps = 400 if backend == "grid" else 60
     fleet = FleetEnv(

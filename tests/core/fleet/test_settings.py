@@ -85,9 +85,7 @@ def fleet() -> FleetEnv:
         (["N", 1.0], TypeError, r"^action 1.0 is float; allowed: one of N, E,"),
     ],
 )
-def test_bad_actions_change_nothing(
-    fleet: FleetEnv, actions: Any, error: Any, message: str
-) -> None:
+def test_bad_actions_change_nothing(fleet, actions, error, message) -> None:
     before = state_of(fleet)
     with pytest.raises(error, match=message):
         fleet.step(actions)

@@ -74,9 +74,7 @@ def test_a_charger_saves_a_robot_with_its_last_unit_and_fills_it_no_more_than_fu
 
 
 @pytest.mark.parametrize("knee", [0.8, 0.25, 1e-6])
-def test_a_charge_has_a_constant_current_up_to_its_knee_and_then_one_that_falls(
-    knee: float,
-) -> None:
+def test_a_charge_has_a_constant_current_up_to_its_knee_and_then_one_that_falls(knee) -> None:
     battery, units, fine = Battery(1000, knee=knee), np.array([0.0, 640.0, 1000.0]), 500
     for _ in range(30):
         current = units

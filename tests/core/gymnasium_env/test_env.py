@@ -191,9 +191,7 @@ def test_a_step_after_the_end_raises_until_a_reset() -> None:
     ],
     ids=repr,
 )
-def test_an_invalid_action_raises_and_changes_nothing(
-    action: Any, error: type, message: str
-) -> None:
+def test_an_invalid_action_raises_and_changes_nothing(action, error, message) -> None:
     env = plain()
     env.reset(seed=0)
     before = pickle.dumps(env)
@@ -242,9 +240,7 @@ def test_options_apply_to_one_episode() -> None:
     ],
     ids=repr,
 )
-def test_invalid_options_raise_and_change_nothing(
-    options: dict[str, Any], error: type, message: str
-) -> None:
+def test_invalid_options_raise_and_change_nothing(options, error, message) -> None:
     env = plain(layout=ROOM)
     env.reset(seed=4)
     env.step(EAST)

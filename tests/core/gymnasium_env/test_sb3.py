@@ -30,9 +30,7 @@ def test_the_checker_of_stable_baselines_passes(form: str, backend: str, render_
 
 @pytest.mark.parametrize("form", ["vector", "dict"])
 @pytest.mark.parametrize("control", ["velocity", "wheels", "force"])
-def test_the_checker_of_stable_baselines_passes_under_continuous_control(
-    form: str, control: str
-) -> None:
+def test_the_checker_of_stable_baselines_passes_under_continuous_control(form, control) -> None:
     from stable_baselines3.common.env_checker import check_env
 
     env = gymnasium.make("WarehouseDrive-v0", observation=form, control=control)

@@ -90,9 +90,7 @@ def equal_values(value: Any, other: Any) -> bool:
         (MODES[len(MODES) // 2], "image", True, "grid"),
     ],
 )
-def test_a_batch_equals_a_sync_vector_env_bit_for_bit(
-    mode: str, form: str, randomize: bool, backend: str
-) -> None:
+def test_a_batch_equals_a_sync_vector_env_bit_for_bit(mode, form, randomize, backend) -> None:
     count = 5
     settings = {"layout": ROOM, "observation": form, "randomize": randomize, "max_steps": 14}
     settings["backend"] = backend

@@ -99,9 +99,7 @@ def test_rows_that_are_not_whole_floors_raise(rows: list[int]) -> None:
         ([0, 1, 2, 6], None, LayoutError, "robot 1: row 2, column 0 is off the grid"),
     ],
 )
-def test_a_bad_place_changes_nothing(
-    cells: list[int], seeds: Any, error: type[Exception], message: str
-) -> None:
+def test_a_bad_place_changes_nothing(cells, seeds, error, message) -> None:
     batch = batch_of([HALL] * 2, 2)
     batch.place(np.arange(4), np.array([3, 4, 3, 4]))
     with pytest.raises(error, match=message):

@@ -17,15 +17,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Cell, Layout
-from warehouse_core.motion.traffic import MAX_SMALL_FRONT, Obstacle, find_stops
+from warehouse_core.motion.traffic import MAX_SMALL_FRONT, find_stops
 
 HALL = Layout(["......"] * 6)
 
 
 @pytest.mark.parametrize(("cells", "moves", "stops"), CASES.values(), ids=CASES)
-def test_stops_follow_the_table(
-    form: str, cells: list[Cell], moves: list[Cell], stops: list[Obstacle]
-) -> None:
+def test_stops_follow_the_table(form, cells, moves, stops) -> None:
     assert find_stops(HALL, cells, targets_of(cells, moves)) == stops
     assert array_stops(HALL, cells, moves) == stops
 
@@ -42,9 +40,7 @@ def traffic(draw: st.DrawFn) -> tuple[Layout, list[Cell], list[Cell]]:
 
 @settings(max_examples=60)
 @given(traffic(), st.randoms(use_true_random=False))
-def test_stops_do_not_depend_on_the_order_of_the_robots(
-    scene: tuple[Layout, list[Cell], list[Cell]], stream: random.Random
-) -> None:
+def test_stops_do_not_depend_on_the_order_of_the_robots(scene, stream) -> None:
     layout, cells, moves = scene
     targets = targets_of(cells, moves)
     stops = find_stops(layout, cells, targets)

@@ -116,9 +116,7 @@ def test_assigned_orders_wait_for_their_robot_only() -> None:
         (2, None, "robot 2 carries order 0; it must deliver it first"),
     ],
 )
-def test_an_order_that_does_not_wait_for_all_cannot_be_assigned(
-    robot: int, number: int | None, message: str
-) -> None:
+def test_an_order_that_does_not_wait_for_all_cannot_be_assigned(robot, number, message) -> None:
     book = book_of(order(), order(B), order(robot=1), order(C), order(released=9))
     book.take(2, AT_A, step=0)
     book.assign(1, 1)

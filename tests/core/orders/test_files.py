@@ -49,9 +49,7 @@ def test_a_bad_line_is_named(tmp_path: Path, text: str, message: str) -> None:
     assert isinstance(caught.value, WarehouseError)
 
 
-def test_a_file_is_not_read_beyond_its_limits(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_is_not_read_beyond_its_limits(tmp_path, monkeypatch) -> None:
     path = tmp_path / "orders.csv"
     save_orders(path, ORDERS)
     monkeypatch.setattr(files, "MAX_ORDERS", 1)

@@ -173,9 +173,7 @@ OPTIONAL: dict[str, tuple[Any, ...]] = {
         for value in bad
     ],
 )
-def test_a_header_with_an_invalid_value_is_refused(
-    refused: Refused, kind: str, name: str, value: object
-) -> None:
+def test_a_header_with_an_invalid_value_is_refused(refused, kind, name, value) -> None:
     assert name in refused(kind, header={name: value})
     if name not in OPTIONAL:
         header = header_of(arrays_of(kind))
@@ -238,9 +236,7 @@ def test_a_vocabulary_that_is_too_short_is_refused(refused: Refused, name: str) 
         if letter != "*"
     ],
 )
-def test_arrays_of_other_shapes_are_refused(
-    refused: Refused, kind: str, name: str, axis: int
-) -> None:
+def test_arrays_of_other_shapes_are_refused(refused, kind, name, axis) -> None:
     array = arrays_of(kind)[name]
     for other in (array.take(range(array.shape[axis] - 1), axis), np.repeat(array, 2, axis)):
         message = refused(kind, **{name: other})
@@ -287,9 +283,7 @@ AMOUNTS = "a motion has seconds that are not positive, or negative joules"
         (LONE, "actions", 0, -1, "actions has a code outside"),
     ],
 )  # fmt: skip
-def test_impossible_values_are_refused(
-    refused: Refused, kind: str, name: str, place: Any, value: Any, message: str
-) -> None:
+def test_impossible_values_are_refused(refused, kind, name, place, value, message) -> None:
     assert message in refused(kind, **{name: changed_at(arrays_of(kind)[name], place, value)})
 
 
@@ -312,9 +306,7 @@ def test_the_sum_of_very_long_paths_does_not_overflow(refused: Refused) -> None:
 
 
 @pytest.mark.parametrize("kind", [LONE, FLEET])
-def test_a_record_that_becomes_too_many_objects_is_refused(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch, kind: str
-) -> None:
+def test_a_record_that_becomes_too_many_objects_is_refused(refused, monkeypatch, kind) -> None:
     changed = {} if kind == LONE else {"assignments": np.zeros((3, 3), "<i4")}
     arrays = arrays_of(kind) | changed
     others = ["cells"] if kind == LONE else ["orders", "assignments"]
@@ -349,9 +341,7 @@ RELEASED, DUE, PICKUP, DROPOFF, ROBOT, TAKEN_BY, TAKEN, DELIVERED = 0, 1, 2, 4, 
         ({DELIVERED: 31}, "or after the last step"),
     ],
 )
-def test_impossible_orders_are_refused(
-    refused: Refused, changes: dict[int, int], message: str
-) -> None:
+def test_impossible_orders_are_refused(refused, changes, message) -> None:
     orders = arrays_of(FLEET)["orders"].copy()
     orders[0, [RELEASED, DUE]], orders[0, ROBOT:] = (1, 9), (-1, 1, 4, 7)
     orders[0, list(changes)] = list(changes.values())
@@ -388,9 +378,7 @@ def test_orders_at_the_limits_of_an_episode_are_read() -> None:
         ([0, 0, 10**6], "orders of assignments: a number is outside -1.."),
     ],
 )
-def test_impossible_assignments_are_refused(
-    refused: Refused, assignment: list[int], message: str
-) -> None:
+def test_impossible_assignments_are_refused(refused, assignment, message) -> None:
     assert message in refused(FLEET, assignments=np.array([assignment], np.int32))
 
 
@@ -459,9 +447,7 @@ def outcomes_of(record: Episode) -> list[Outcome]:
         ("driving-0.1.npz", lambda: fleet_episode(backend="driving", max_steps=9, people=0)),
     ],
 )
-def test_files_of_version_0_1_are_read_and_written(
-    name: str, again: Callable[[], Episode], tmp_path: Path
-) -> None:
+def test_files_of_version_0_1_are_read_and_written(name, again, tmp_path) -> None:
     loaded = Episode.load(DATA / name)
     # Version 0.1 had no drive and no readings, and its headings lagged behind the motion.
     pairs = zip(outcomes_of(loaded), outcomes_of(again()), strict=True)

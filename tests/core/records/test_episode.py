@@ -129,9 +129,7 @@ def test_a_step_that_raises_is_not_recorded() -> None:
         (DELIVERY, {"max_steps": 5}, "out of time"),
     ],
 )
-def test_the_outcome_of_an_episode(
-    actions: tuple[Any], limits: dict[str, int], outcome: str
-) -> None:
+def test_the_outcome_of_an_episode(actions, limits, outcome) -> None:
     assert on_line(*actions, **limits).outcome == outcome
 
 
@@ -237,9 +235,7 @@ def test_a_record_loads_as_it_was_saved(episode: Episode, saved: Path) -> None:
         ("reasons", 5, "reasons must be a list of words"),
     ],
 )
-def test_a_value_that_would_change_is_named(
-    tmp_path: Path, name: str, value: Any, message: str
-) -> None:
+def test_a_value_that_would_change_is_named(tmp_path, name: str, value: Any, message: str) -> None:
     original = on_line("PICK", "E", "W", "W", max_steps=4)
     values = getattr(original, name)
     changed = [value, *values[1:]] if isinstance(values, list) else value
@@ -310,9 +306,7 @@ KINDS: dict[str, Callable[[], Episode]] = {
 
 
 @pytest.mark.parametrize("record", KINDS.values(), ids=KINDS.keys())
-def test_a_record_loads_and_replays_bit_for_bit(
-    record: Callable[[], Episode], tmp_path: Path
-) -> None:
+def test_a_record_loads_and_replays_bit_for_bit(record: Callable[[], Episode], tmp_path) -> None:
     episode = record()
     assert episode.steps > 5
     episode.save(tmp_path / "any.npz")
@@ -327,9 +321,7 @@ def test_a_record_loads_and_replays_bit_for_bit(
     assert again != episode
 
 
-def test_a_replay_on_another_backend_keeps_the_rules_and_names_the_backend(
-    episode: Episode,
-) -> None:
+def test_a_replay_on_another_backend_keeps_the_rules_and_names_the_backend(episode) -> None:
     replayed = replay_episode(episode, backend=GridMotion(cell_size=0.5))
     assert replayed.rewards == episode.rewards
     assert replayed.cells == episode.cells

@@ -148,9 +148,7 @@ def test_chargers_that_supply_too_little_are_named_with_supply_and_use(
     ("count", "wait", "mode"),
     [(4, "E", "too many orders"), (3, "E", "served"), (4, "WAIT", "idle")],
 )
-def test_more_orders_than_busy_robots_can_carry_are_counted(
-    count: int, wait: str, mode: str
-) -> None:
+def test_more_orders_than_busy_robots_can_carry_are_counted(count, wait, mode) -> None:
     orders = [Order(0, 99, (0, 0), (0, 1)) for _ in range(count)]
     steps = [[action] for action in [*ROUND[:3], wait, wait, wait]]
     found = diagnose(driven(["PD...."], [(0, 0)], steps, orders=orders))
@@ -200,9 +198,7 @@ def test_a_deadlock_takes_ten_steps(steps: int, is_deadlock: bool) -> None:
 
 
 @pytest.mark.parametrize(("stops", "is_deadlock"), [(8, False), (9, False), (10, True)])
-def test_a_robot_that_is_stopped_in_half_of_the_steps_is_in_a_queue(
-    stops: int, is_deadlock: bool
-) -> None:
+def test_a_robot_that_is_stopped_in_half_of_the_steps_is_in_a_queue(stops, is_deadlock) -> None:
     # The other half is shared by waits and bumps into a wall, so that the stops are most frequent.
     waits, bumps = (20 - stops) // 2, 20 - stops - (20 - stops) // 2
     assert (
@@ -296,9 +292,7 @@ def test_a_fleet_that_waits_half_of_the_time_is_idle(waits: int, mode: str) -> N
         ([3], "1 of 1 order delivered in 3 steps"),
     ],
 )
-def test_a_fleet_is_late_if_more_than_half_of_its_deliveries_are(
-    dues: list[int], sentence: str
-) -> None:
+def test_a_fleet_is_late_if_more_than_half_of_its_deliveries_are(dues, sentence) -> None:
     orders = [Order(0, due, (0, 0), (0, 1)) for due in dues]
     steps = [[action] for action in ROUND * 2]
     episode = driven(["PD"], [(0, 0)], steps, orders=orders)

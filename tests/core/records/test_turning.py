@@ -78,9 +78,7 @@ def test_fleets_without_headings_are_stored_as_before() -> None:
         ("headings", None, "headings are missing for moves 'turn'"),
     ],
 )
-def test_a_damaged_file_is_refused(
-    name: str, value: int | None, message: str, tmp_path: Path
-) -> None:
+def test_a_damaged_file_is_refused(name: str, value: int | None, message: str, tmp_path) -> None:
     arrays = pack(fields_of(record()))
     if value is None:
         del arrays[name]

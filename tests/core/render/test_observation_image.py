@@ -52,9 +52,7 @@ def without_bars(pixels: Any) -> Any:
         ((1, 0), 1, True, ("..P?", "b.??", "..??")),
     ],
 )
-def test_only_seen_cells_and_stations_are_shown(
-    cell: tuple[int, int], radius: int, loaded: bool, drawing: tuple[str, ...]
-) -> None:
+def test_only_seen_cells_and_stations_are_shown(cell, radius, loaded, drawing) -> None:
     found = picture(ROOM, cell, radius, loaded)
     assert (found.shape, found.dtype) == (IMAGE.shape, np.uint8)
     assert np.array_equal(without_bars(found), painted(*drawing))

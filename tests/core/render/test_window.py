@@ -100,9 +100,7 @@ def test_a_window_opens_with_its_first_picture_and_shows_the_next(desktop: Deskt
     assert desktop.told.count("events") >= 4
 
 
-def test_pictures_come_at_their_pace_and_events_are_handled_while_they_wait(
-    desktop: Desktop,
-) -> None:
+def test_pictures_come_at_their_pace_and_events_are_handled_while_they_wait(desktop) -> None:
     shown = PictureWindow("a title")
     shown.show(PICTURE, 10.0)
     assert desktop.now == pytest.approx(100.1)
@@ -120,9 +118,7 @@ def test_pictures_come_at_their_pace_and_events_are_handled_while_they_wait(
 
 
 @pytest.mark.parametrize(("ratio", "times"), [(1.0, 1), (1.25, 1), (1.75, 2), (2.0, 2), (0.4, 1)])
-def test_a_window_has_whole_pixels_of_the_screen(
-    desktop: Desktop, ratio: float, times: int
-) -> None:
+def test_a_window_has_whole_pixels_of_the_screen(desktop, ratio, times) -> None:
     shown: Any = PictureWindow("a title")
     shown.show(PICTURE, 1000.0)
     shown._canvas._set_device_pixel_ratio(ratio)

@@ -34,9 +34,7 @@ BELOW_ONE = 1 - 2**-53
         ((0, BELOW_ONE, BELOW_ONE, 0.3), [0, 4, 3]),
     ],
 )
-def test_each_cell_is_chosen_from_the_cells_that_are_left(
-    uniforms: tuple[float, ...], expected: list[int]
-) -> None:
+def test_each_cell_is_chosen_from_the_cells_that_are_left(uniforms, expected) -> None:
     assert draw_ranks(np.array(uniforms), 5).tolist() == expected
 
 
@@ -93,9 +91,7 @@ def test_nothing_random_is_on_a_charger(randomized: Randomized) -> None:
         (["PDC"], Randomized(False, True), False),
     ],
 )
-def test_a_start_needs_a_cell_besides_stations_and_chargers(
-    rows: list[str], randomized: Randomized, expected: bool
-) -> None:
+def test_a_start_needs_a_cell_besides_stations_and_chargers(rows, randomized, expected) -> None:
     assert has_start(Layout(rows), randomized) is expected
 
 
@@ -110,9 +106,7 @@ def test_a_start_needs_a_cell_besides_stations_and_chargers(
         (np.True_, (True, True)),
     ],
 )
-def test_a_value_of_randomize_says_which_parts_are_random(
-    randomize: bool | str, parts: tuple[bool, bool]
-) -> None:
+def test_a_value_of_randomize_says_which_parts_are_random(randomize, parts) -> None:
     assert randomized_parts(randomize) == parts
 
 

@@ -14,9 +14,7 @@ from warehouse_core.viz.tracks.track import Frame, Track
     ("values", "low", "high"),
     [([math.nan, 0.5], -1, 1), ([4, math.nan], -1, 4.4), ([-3, 7], -3.8, 7.8)],
 )
-def test_a_range_grows_with_a_margin_where_values_leave_it(
-    values: list[float], low: float, high: float
-) -> None:
+def test_a_range_grows_with_a_margin_where_values_leave_it(values, low, high) -> None:
     axes = make_figure((3, 2)).add_axes((0, 0, 1, 1))
     axes.set_ylim(-1, 1)
     fit(axes, values)

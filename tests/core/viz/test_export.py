@@ -86,9 +86,7 @@ def test_a_gif_has_every_frame(films: Path, drawings: list[Image.Image]) -> None
         assert film.info["loop"] == 0
 
 
-def test_a_long_gif_is_thinned_with_a_message(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_long_gif_is_thinned_with_a_message(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.setattr("warehouse_core.viz.replay.MAX_GIF_FRAMES", 4)
     frames = [["." * col + "R" + "." * (9 - col)] for col in range(10)]
     replay_of(frames, interval_ms=100).save(tmp_path / "film.gif")
@@ -123,9 +121,7 @@ def test_without_a_bar_a_message_announces_a_long_film(
 
 # GIFs count hundredths of a second, up to a maximum; viewers play shorter frames slowly.
 @pytest.mark.parametrize(("frame_ms", "duration"), [(75, 70), (0.15, 20), (6e6, 655_350)])
-def test_a_gif_plays_at_the_speed_of_the_replay(
-    tmp_path: Path, frame_ms: float, duration: int
-) -> None:
+def test_a_gif_plays_at_the_speed_of_the_replay(tmp_path, frame_ms: float, duration: int) -> None:
     replay_of([["R.P"], [".RP"]], interval_ms=frame_ms).save(tmp_path / "film.gif")
     assert frames_of_gif(tmp_path / "film.gif")[1][:-1] == [duration]
 
@@ -200,9 +196,7 @@ def test_a_full_disk_is_an_error_of_the_file(tmp_path: Path) -> None:
         add(bytes(100 * 64 * 64 * 4))
 
 
-def test_ffmpeg_that_ends_early_is_an_error_of_the_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ffmpeg_that_ends_early_is_an_error_of_the_file(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("warehouse_core.viz.export.ffmpeg", lambda: "/bin/false")
     with pytest.raises(OSError, match="ffmpeg ended with exit code 1: "):
         saved(tmp_path, ".mp4")

@@ -61,9 +61,7 @@ def test_a_frame_over_the_cached_background_equals_a_new_drawing(replay: Replay)
         assert np.array_equal(pixels(replay), drawn_in_new_figure(frame)), f"frame {frame}"
 
 
-def test_frames_do_not_draw_the_background_again(
-    replay: Replay, background_drawings: list[SceneFigure]
-) -> None:
+def test_frames_do_not_draw_the_background_again(replay, background_drawings) -> None:
     pixels(replay)
     before = len(background_drawings)
     for frame in (1, 4):
@@ -85,9 +83,7 @@ def refine(replay: Replay) -> None:
 
 
 @pytest.mark.parametrize("change", [zoom, resize, refine])
-def test_a_change_of_the_background_is_drawn(
-    replay: Replay, change: Callable[[Replay], object]
-) -> None:
+def test_a_change_of_the_background_is_drawn(replay, change) -> None:
     replay.go_to(2)
     before = pixels(replay)
     change(replay)
@@ -99,9 +95,7 @@ def test_a_change_of_the_background_is_drawn(
 
 
 @pytest.mark.parametrize("dpi", ["figure", 150])
-def test_a_vector_drawing_does_not_change_the_next_drawing(
-    replay: Replay, dpi: str | float
-) -> None:
+def test_a_vector_drawing_does_not_change_the_next_drawing(replay, dpi) -> None:
     replay.go_to(3)
     pixels(replay)
     zoom(replay)

@@ -35,9 +35,7 @@ def test_numbers_are_drawn_if_they_are_legible(robots: int, side: int, legible: 
     (4, SHELVES),
     (2, Layout(["P.D.C"])),
 ])  # fmt: skip
-def test_a_fleet_fits_a_small_screen_and_its_legend_has_room_below(
-    robots: int, layout: Layout
-) -> None:
+def test_a_fleet_fits_a_small_screen_and_its_legend_has_room_below(robots, layout) -> None:
     replay = replay_of(fleet_episode(layout=layout, robots=robots, max_steps=2, people=0))
     replay.figure.pixels()
     assert replay.figure.bbox.width <= 1366

@@ -1,7 +1,6 @@
 """What notebooks show for records, environments and layouts."""
 
 import io
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,9 +34,7 @@ def picture(shown: Any) -> NDArray[np.int64]:
         return np.asarray(image.convert("RGB")).astype(np.int64)
 
 
-def test_a_notebook_shows_pictures_and_players(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_notebook_shows_pictures_and_players(tmp_path, monkeypatch) -> None:
     for folder in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR"):
         monkeypatch.setenv(folder, str(tmp_path))
     import nbformat

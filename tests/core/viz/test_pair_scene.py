@@ -51,9 +51,7 @@ def maps(scene: Scene) -> list[Axes]:
     return [axes for axes in scene.root.axes if axes.get_aspect() == 1]
 
 
-def test_a_grid_and_a_continuous_track_have_one_clock_in_seconds(
-    grid: Track, physics: Track
-) -> None:
+def test_a_grid_and_a_continuous_track_have_one_clock_in_seconds(grid, physics) -> None:
     scene = Scene([grid, physics], make_figure)
     at = next(n for n, moment in enumerate(scene._timeline.moments) if moment >= 10)
     scene.show(at)
@@ -82,9 +80,7 @@ def test_frames_without_a_clock_advance_by_steps_beside_a_continuous_track(physi
 
 
 @pytest.mark.parametrize("order", [1, -1])
-def test_maps_have_one_cell_size_and_their_upper_edges_in_line(
-    grid: Track, physics: Track, order: int
-) -> None:
+def test_maps_have_one_cell_size_and_their_upper_edges_in_line(grid, physics, order) -> None:
     room = track_of_frames([["R....", "....."], [".R...", "....."]], {"battery": [1, 1]})
     for tracks in ([grid, physics][::order], [grid, room][::order]):
         one, other = maps(Scene(tracks, make_figure))
@@ -141,9 +137,7 @@ def test_nothing_overlaps_nor_leaves_a_picture_of_1366_pixels(grid: Track, physi
         check_boxes(scene)
 
 
-def test_more_than_four_tracks_are_in_rows_of_three_and_have_no_charts(
-    grid: Track, physics: Track
-) -> None:
+def test_more_than_four_tracks_are_in_rows_of_three_and_have_no_charts(grid, physics) -> None:
     tracks = [grid, physics, grid, dataclasses.replace(physics, ending="battery depleted"), grid]
     scene = Scene(tracks, make_figure)
     scene.show(len(scene) - 1)

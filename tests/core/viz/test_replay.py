@@ -76,9 +76,7 @@ def test_the_counter_matches_the_drawn_frame(replay: Replay) -> None:
         (3, ["q", "p", "up", "shift+left", "home", "x", "escape"], 2, [3, 4]),
     ],
 )
-def test_space_pauses_and_resumes_and_arrows_step(
-    replay: Replay, ticks: int, keys: list[str], frame: int, next_frames: list[int]
-) -> None:
+def test_space_pauses_and_resumes_and_arrows_step(replay, ticks, keys, frame, next_frames) -> None:
     tick(replay, ticks)
     press(replay, *keys)
     assert shown(replay) == frame
@@ -134,9 +132,7 @@ def test_show_without_a_window_raises(replay: Replay) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".gif", ".html", ".PNG"])
-def test_saving_leaves_the_current_frame_as_it_was(
-    replay: Replay, tmp_path: Path, suffix: str
-) -> None:
+def test_saving_leaves_the_current_frame_as_it_was(replay: Replay, tmp_path, suffix: str) -> None:
     tick(replay, 3)
     replay.save(str(tmp_path / f"film{suffix}"))
     assert (shown(replay), replay.frame, replay.playing) == (2, 2, True)

@@ -26,9 +26,7 @@ def without_scipy(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @settings(max_examples=100)
 @given(networks(), st.data())
-def test_costs_of_paths_are_the_same_bits_without_scipy(
-    network: Edges, data: st.DataObject
-) -> None:
+def test_costs_of_paths_are_the_same_bits_without_scipy(network, data) -> None:
     nodes = len(network.parts())
     sources = data.draw(st.lists(st.integers(0, nodes - 1), min_size=1, max_size=3, unique=True))
     expected, parts = network.cheapest(sources), network.parts()

@@ -49,9 +49,7 @@ def assert_usable(layout: Layout) -> None:
 
 @settings(max_examples=30)
 @given(sizes, sizes, densities, seeds)
-def test_a_random_layout_can_always_be_solved(
-    height: int, width: int, density: float, seed: int
-) -> None:
+def test_a_random_layout_can_always_be_solved(height, width, density, seed) -> None:
     layout = random_layout(height, width, density, seed)
     assert (layout.height, layout.width) == (height, width)
     assert_usable(layout)
@@ -124,9 +122,7 @@ def test_one_station_of_a_kind_is_where_it_was_before_there_could_be_several() -
     ("sizes", "width", "height", "open_cells"),
     [((10, 20, 10, 2, 1), 161, 63, 5699), ((20, 40, 10, 2, 2), 340, 164, 38756)],
 )
-def test_the_published_warehouses_have_their_sizes(
-    sizes: tuple[int, int, int, int, int], width: int, height: int, open_cells: int
-) -> None:
+def test_the_published_warehouses_have_their_sizes(sizes, width, height, open_cells) -> None:
     layout = benchmark_warehouse(*sizes)
     assert (layout.width, layout.height) == (width, height)
     assert len(layout.open_cells) == len(layout.reachable_from((1, 1))) == open_cells

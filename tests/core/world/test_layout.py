@@ -1,5 +1,3 @@
-from collections.abc import Callable
-from contextlib import AbstractContextManager
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -125,18 +123,14 @@ def test_a_layout_above_the_limit_raises(monkeypatch: pytest.MonkeyPatch, tmp_pa
 
 
 @pytest.mark.parametrize("make", [Layout.from_text, str.splitlines])
-def test_a_layout_of_very_many_rows_raises_before_they_are_looked_at(
-    make: Callable[[str], Any], little_memory: Callable[[], AbstractContextManager[None]]
-) -> None:
+def test_a_layout_of_very_many_rows_raises_before_they_are_looked_at(make, little_memory) -> None:
     rows = (MAX_ROWS + 1) * "?\n"
     with little_memory(), pytest.raises(LayoutError, match=f"at most MAX_ROWS = {MAX_ROWS}"):
         Layout(make(rows))
 
 
 @pytest.mark.parametrize("data", [b"#.\r\nP#\r\n", b"\xef\xbb\xbf#.\nP#\n", b"  #. \n  P#  "])
-def test_other_line_ends_a_byte_order_mark_and_blanks_are_accepted(
-    tmp_path: Path, data: bytes
-) -> None:
+def test_other_line_ends_a_byte_order_mark_and_blanks_are_accepted(tmp_path, data: bytes) -> None:
     path = tmp_path / "warehouse.txt"
     path.write_bytes(data)
     assert Layout.load(path).rows == ("#.", "P#")

@@ -65,9 +65,7 @@ def test_variants_of_the_format_are_read(hall: Path, text: str) -> None:
         ("x" * 5000, "line 1, column 1001: the line is longer than MAX_LINE = 1000 bytes"),
     ],
 )  # fmt: skip
-def test_an_invalid_header_raises_with_its_place(
-    hall: Path, data: str | bytes, message: str
-) -> None:
+def test_an_invalid_header_raises_with_its_place(hall, data, message) -> None:
     assert refused(hall, data).startswith(message)
 
 
@@ -123,9 +121,7 @@ def test_a_map_that_is_too_large_raises_after_its_header(
     assert message == f"line 3, column 7: {limit}"
 
 
-def test_a_row_without_an_end_is_not_read_completely(
-    hall: Path, little_memory: Callable[[], AbstractContextManager[None]]
-) -> None:
+def test_a_row_without_an_end_is_not_read_completely(hall, little_memory) -> None:
     with hall.open("wb") as file:
         file.write(HEADER.encode())
         file.write(b"." * 3)
@@ -136,9 +132,7 @@ def test_a_row_without_an_end_is_not_read_completely(
 
 @settings(max_examples=25)
 @given(rows=grids())
-def test_a_saved_map_has_the_same_walls_and_no_stations(
-    tmp_path_factory: pytest.TempPathFactory, rows: list[str]
-) -> None:
+def test_a_saved_map_has_the_same_walls_and_no_stations(tmp_path_factory, rows: list[str]) -> None:
     path = tmp_path_factory.getbasetemp() / "saved.map"
     save_map(Layout(rows), path)
     floor = [row.translate(dict.fromkeys(map(ord, "PDC"), ".")) for row in rows]
@@ -146,9 +140,7 @@ def test_a_saved_map_has_the_same_walls_and_no_stations(
 
 
 @pytest.mark.parametrize("name", ["hall.txt", "hall", "hall.map.txt", "hall.map", "HALL.MAP"])
-def test_the_suffix_selects_the_format_and_a_map_keeps_only_the_walls(
-    tmp_path: Path, name: str
-) -> None:
+def test_the_suffix_selects_the_format_and_a_map_keeps_only_the_walls(tmp_path, name: str) -> None:
     path, is_map = tmp_path / name, name.lower().endswith(".map")
     save_layout(HALL, path)
     assert path.read_text().startswith("type octile\n") == is_map

@@ -52,9 +52,7 @@ def test_an_unknown_name_is_an_error_that_lists_the_names(tmp_path: Path) -> Non
         find_layout(tmp_path / "trap")
 
 
-def test_a_layout_is_given_in_any_of_its_forms(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_layout_is_given_in_any_of_its_forms(tmp_path, monkeypatch) -> None:
     assert as_layout("trap") is named_layout("trap")
     assert as_layout(None) is as_layout(DEFAULT_LAYOUT) is as_layout(DEFAULT) is DEFAULT_LAYOUT
     assert as_layout(str(HALL)) == as_layout(HALL.rows) == HALL
@@ -65,9 +63,7 @@ def test_a_layout_is_given_in_any_of_its_forms(
     assert as_layout("hall.map") == HALL.with_stations(None, None)
 
 
-def test_a_line_of_tiles_is_text_and_a_path_object_a_path(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_line_of_tiles_is_text_and_a_path_object_a_path(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     HALL.save("PD")
     assert as_layout("PD") == Layout(["PD"])

@@ -29,9 +29,7 @@ def test_rows_change_to_layouts_that_are_known_and_to_new_ones() -> None:
     assert layouts.width.tolist() == [3, 4, 5]
 
 
-def test_windows_above_the_limit_raise_before_they_are_allocated(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_windows_above_the_limit_raise_before_they_are_allocated(monkeypatch) -> None:
     monkeypatch.setattr(floor_tables, "_windows", lambda *_: pytest.fail("allocated"))
     with pytest.raises(
         LayoutError, match=r"windows of 20001 x 20001 for 2 layouts take 400\d{7} b"

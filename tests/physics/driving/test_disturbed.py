@@ -95,9 +95,7 @@ def test_a_robot_that_stops_stays_for_its_time_and_drives_on() -> None:
 
 
 @pytest.mark.parametrize("slippery", [frozenset(), frozenset({(0, 1), (0, 2)})])
-def test_robots_behind_one_that_has_failed_go_back_to_cells_of_their_own(
-    slippery: frozenset[Cell],
-) -> None:
+def test_robots_behind_one_that_has_failed_go_back_to_cells_of_their_own(slippery) -> None:
     for at in (1.7, 2.2):
         stops = (Stop(0, at, math.inf),)
         motion = DrivingMotion(disturbances=Disturbances(slippery=slippery, stops=stops))

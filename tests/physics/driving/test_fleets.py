@@ -1,7 +1,5 @@
 """Fleets whose robots drive through: rules, records, replays, and commands that refuse them."""
 
-from pathlib import Path
-
 import pytest
 from helpers.fleets import SHELVES, fleet_episode
 
@@ -20,9 +18,7 @@ def episode() -> FleetEpisode:
     return fleet_episode(agent, people=0, backend="driving", max_steps=50)
 
 
-def test_a_record_is_the_same_after_a_file_and_after_a_replay(
-    episode: FleetEpisode, tmp_path: Path
-) -> None:
+def test_a_record_is_the_same_after_a_file_and_after_a_replay(episode, tmp_path) -> None:
     episode.save(tmp_path / "fleet.npz")
     loaded = FleetEpisode.load(tmp_path / "fleet.npz")
     assert loaded == episode

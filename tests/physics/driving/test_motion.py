@@ -39,9 +39,7 @@ def motion_at(*cells: Cell, **options: Any) -> DrivingMotion:
         ([(0, 1), (0, 0)], r"robots 0 and 1 cannot swap the cells \(0, 0\) and \(0, 1\)"),
     ],
 )
-def test_a_joint_step_with_a_conflict_is_refused_and_nothing_changes(
-    cells: list[Cell], message: str
-) -> None:
+def test_a_joint_step_with_a_conflict_is_refused_and_nothing_changes(cells, message) -> None:
     motion = motion_at((0, 0), (0, 1))
     with pytest.raises(ValueError, match=message):
         motion.extend(cells)

@@ -13,9 +13,7 @@ from agents.lab.trials.scores import EXPLANATION
 SMALL = ("compare", "agents", "-n", 2, "--max-steps", 40)
 
 
-def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(warehouse, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     code, out, err = warehouse(*SMALL, "--seed", 5, "--save", "figure.png")
     assert (code, err) == (0, "")
@@ -34,9 +32,7 @@ def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(
     assert "none" not in "".join(line for line in lines if "A*" in line)
 
 
-def test_given_agents_are_compared_once_each_with_their_arguments(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_given_agents_are_compared_once_each_with_their_arguments(warehouse, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "30")
     write_mine("act", "pass", "'N'")
     more = "--agent mine.py:Mine --agent greedy:memory=3 --agent astar --agent astar"
@@ -45,9 +41,7 @@ def test_given_agents_are_compared_once_each_with_their_arguments(
     assert [line for line in lines if line in [*AGENTS.values(), *names]] == 2 * names
 
 
-def test_the_options_set_the_start_and_the_stations(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_options_set_the_start_and_the_stations(warehouse: Warehouse, monkeypatch) -> None:
     tasks = []
     monkeypatch.setattr(
         compare_agents, "evaluate_watched", lambda _, __, task, ___: tasks.append(task)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import minari
 import pytest
-from helpers.command_line import Refused, Warehouse
+from helpers.command_line import Warehouse
 
 from agents.registry import make_agent
 from warehouse_core.world.actions import action_index
@@ -42,9 +42,7 @@ def test_without_a_seed_datasets_differ(warehouse: Warehouse) -> None:
     assert first.observations[0].tolist() != second.observations[0].tolist()
 
 
-def test_what_cannot_be_is_refused_before_any_episode(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch, datasets: Path
-) -> None:
+def test_what_cannot_be_is_refused_before_any_episode(refused, monkeypatch, datasets) -> None:
     assert refused("export", "old").startswith("'old' cannot name a dataset; allowed: ")
     line = refused("export", "new-v0", "--backend", "mine.py")
     assert line.startswith("no backend is called 'mine.py'; installed: driving, grid, physics")

@@ -34,9 +34,7 @@ def measured(**changed: float) -> FleetMeasures:
     return FleetMeasures(**(values | changed))  # type: ignore[arg-type]
 
 
-def test_a_shift_is_run_measured_and_recorded(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_shift_is_run_measured_and_recorded(warehouse: Warehouse, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     code, out, err = warehouse(*SMALL, "--order-rate", 0.2, "--save", "shift.npz")
     assert (code, err) == (0, "")
@@ -161,9 +159,7 @@ def test_the_verdict_and_the_diagnosis_say_what_went_wrong() -> None:
 
 
 @pytest.mark.parametrize("planner", ["pibt", "windowed:guidance=lanes"])
-def test_a_planner_and_an_assignment_by_name_lead_all_robots(
-    planner: str, warehouse: Warehouse
-) -> None:
+def test_a_planner_and_an_assignment_by_name_lead_all_robots(planner, warehouse) -> None:
     done = warehouse(*SMALL, "--order-rate", 0.2, "--planner", planner, "--assignment", "nearest",
         "--save", "a.npz",
     )  # fmt: skip
@@ -184,9 +180,7 @@ def test_the_replay_draws_the_plans_of_chosen_robots(warehouse: Warehouse) -> No
     assert ['class="plan' in picture for picture in pictures] == [False, True, False]
 
 
-def test_a_plan_that_takes_too_long_is_cut_off_and_reported(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_plan_that_takes_too_long_is_cut_off_and_reported(warehouse, monkeypatch) -> None:
     monkeypatch.setattr(module, "make_fleet_agent", partial(make_fleet_agent, seconds=0.02))
     write_mine("next_cells", "while True: pass", "seen.cells", step=1)
     done = warehouse(*SMALL, "--max-steps", 2, "--planner", "mine.py:Mine", "--save", "a.npz")

@@ -34,9 +34,7 @@ def test_layouts_are_printed(warehouse: Warehouse, words: str, printed: Layout) 
 
 
 @pytest.mark.parametrize(("kind", "option"), [("random", "--save"), ("shelves:", "-o")])
-def test_a_layout_goes_to_a_file_and_passes_the_check(
-    warehouse: Warehouse, kind: str, option: str
-) -> None:
+def test_a_layout_goes_to_a_file_and_passes_the_check(warehouse, kind, option) -> None:
     assert warehouse("layout", kind, option, "new.txt") == (0, "saved new.txt\n", "")
     printed = warehouse("layout", kind).out
     assert warehouse("layout", "new.txt").out == printed
@@ -85,9 +83,7 @@ def test_check_names_what_is_wrong_with_a_layout(refused: Refused, rows: str, me
         ("trap maze -o a.txt", 2, "--save needs exactly one layout"),
     ],
 )
-def test_what_is_no_layout_is_refused(
-    refused: Refused, words: str, code: int, message: str
-) -> None:
+def test_what_is_no_layout_is_refused(refused, words, code, message) -> None:
     assert refused("layout", *words.split(), code=code).startswith(message)
 
 

@@ -4,7 +4,6 @@
 """
 
 from collections.abc import Callable
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
@@ -106,9 +105,7 @@ def keys(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     return will_be
 
 
-def test_play_reports_and_saves_a_game(
-    warehouse: Warehouse, tmp_path: Path, keys: Callable[..., None]
-) -> None:
+def test_play_reports_and_saves_a_game(warehouse, tmp_path, keys) -> None:
     ROOM.save(tmp_path / "room.txt")
     keys(*DELIVERY, "q")
     result = warehouse(

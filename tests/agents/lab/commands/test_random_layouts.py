@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import pytest
 from helpers.command_line import Refused, Warehouse
 from helpers.networks import random_network
 from PIL import Image
@@ -29,9 +28,7 @@ def test_agents_are_compared_in_each_size_in_one_figure(warehouse: Warehouse) ->
         assert picture.width > 900
 
 
-def test_the_options_determine_the_pool_for_training(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_options_determine_the_pool_for_training(refused: Refused, monkeypatch) -> None:
     tasks: list[Task] = []
 
     def make_learner(task: Task, steps: int, seed: int) -> Any:

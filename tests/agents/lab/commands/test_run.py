@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 import typer
-from helpers.command_line import ROOT, Refused, Warehouse, in_a_process, write_mine
+from helpers.command_line import ROOT, Warehouse, in_a_process, write_mine
 
 from agents.lab.commands.run import report_episode, run, run_episode
 from agents.lab.place import Stations
@@ -63,9 +63,7 @@ class Mute(Still):
 
 
 @pytest.mark.parametrize("line", ["run", "fleet --robots 2"])
-def test_a_backend_of_a_user_is_given_by_its_file(
-    warehouse: Warehouse, refused: Refused, tmp_path: Path, line: str
-) -> None:
+def test_a_backend_of_a_user_is_given_by_its_file(warehouse, refused, tmp_path, line) -> None:
     os.chdir(tmp_path)
     Path("my_motion.py").write_text(MOTION)
     option = "--backend"
@@ -89,9 +87,7 @@ def test_a_backend_of_a_user_is_given_by_its_file(
     assert "has no class 'Yours'" in refused(*words, "my_motion.py:Yours")
 
 
-def test_the_report_names_the_failure_mode_if_it_is_not_the_outcome(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_report_names_the_failure_mode_if_it_is_not_the_outcome(capsys) -> None:
     env = WarehouseEnv(["P.#.D", "....."], (1, 0), max_steps=40)
     report_episode(
         record_episode(env, GreedyAgent(seed=1, escape_steps=0), seed=1, randomize=False)
@@ -104,9 +100,7 @@ def test_the_report_names_the_failure_mode_if_it_is_not_the_outcome(
     )
 
 
-def test_the_command_passes_every_option_on(
-    warehouse: Warehouse, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_the_command_passes_every_option_on(warehouse: Warehouse, capsys, tmp_path) -> None:
     room = tmp_path / "room.txt"
     ROOM.save(room)
     episode = run_episode(
@@ -164,9 +158,7 @@ def test_several_episodes_have_a_line_each_and_a_summary(warehouse: Warehouse) -
     assert "outcome" not in warehouse("run", "-n", 2, "--seed", 4, "--max-steps", 5).out
 
 
-def test_slippery_cells_are_a_part_of_the_backend_that_a_record_names(
-    warehouse: Warehouse, refused: Refused
-) -> None:
+def test_slippery_cells_are_a_part_of_the_backend_that_a_record_names(warehouse, refused) -> None:
     words = ("run", "--seed", 12, "--slippery", "1,2", "--slippery", "2, 2", "--save", "icy.npz")
     assert warehouse(*words, "--backend", "physics:grip=0.04").code == 0
     episode = Episode.load("icy.npz")
@@ -202,9 +194,7 @@ def test_the_exploring_agent_prints_how_much_it_has_seen_and_shows_its_belief(
 @pytest.mark.parametrize(
     ("error", "is_shown"), [("ValueError(3)", True), ("KeyboardInterrupt", False)]
 )
-def test_no_window_opens_after_an_interrupt(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, error: str, is_shown: bool
-) -> None:
+def test_no_window_opens_after_an_interrupt(warehouse, monkeypatch, error, is_shown) -> None:
     shown = list[object]()
     monkeypatch.setattr(
         "agents.lab.commands.run.replay_or_save", lambda *given, **_: shown.append(given[2])

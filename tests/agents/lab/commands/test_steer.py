@@ -102,9 +102,7 @@ def test_slippery_cells_reach_the_controlled_body(warehouse: Warehouse) -> None:
     assert Episode.load("e.npz").slippery == ((1, 2),)
 
 
-def test_without_pymunk_the_command_says_what_to_install(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_pymunk_the_command_says_what_to_install(warehouse: Warehouse, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "warehouse_physics.drive", None)
     refused = warehouse("run", "--backend", "drive", "--seed", 1)
     assert refused.code == 1

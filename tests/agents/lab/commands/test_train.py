@@ -100,9 +100,7 @@ def files() -> list[str]:
 # A training.
 
 
-def test_the_files_are_written_and_reported(
-    capsys: pytest.CaptureFixture[str], curves: list[list[ExamPoint]]
-) -> None:
+def test_the_files_are_written_and_reported(capsys, curves: list[list[ExamPoint]]) -> None:
     trained(Learning(500, 1020), "Waiting")
     out = capsys.readouterr().out
     first, *saved = out.splitlines()[:5]
@@ -141,9 +139,7 @@ def test_an_interrupt_saves_an_agent_that_was_examined_and_a_fault_does_not(
     assert capsys.readouterr().out.startswith("310 of 1,000 steps in ") == is_saved
 
 
-def test_the_agent_is_saved_before_the_comparison(
-    curves: list[list[ExamPoint]], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_agent_is_saved_before_the_comparison(curves, monkeypatch) -> None:
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt
 
@@ -192,9 +188,7 @@ LONG = (*WORDS, "--steps", 10_000)
 
 
 @pytest.mark.usefixtures("curves")
-def test_a_training_that_is_resumed_ends_as_if_it_had_not_been_interrupted(
-    warehouse: Warehouse,
-) -> None:
+def test_a_training_that_is_resumed_ends_as_if_it_had_not_been_interrupted(warehouse) -> None:
     checkpoint = Path("a.checkpoint")
     with in_the_background(PROGRAM, *LONG, "-o", "a.npz") as process:
         while not checkpoint.exists():
@@ -213,9 +207,7 @@ def test_a_training_that_is_resumed_ends_as_if_it_had_not_been_interrupted(
 
 
 @pytest.mark.usefixtures("curves")
-def test_a_checkpoint_is_of_the_same_training_and_whole(
-    warehouse: Warehouse, refused: Refused
-) -> None:
+def test_a_checkpoint_is_of_the_same_training_and_whole(warehouse, refused) -> None:
     words = ("train", "q", "--steps", 300, "--max-steps", 30, "-o", "a.npz")
     begun = warehouse(*words, "--resume")
     assert begun.err == "a.checkpoint does not exist; the training starts from the beginning\n"

@@ -75,9 +75,7 @@ def test_slippery_cells_limit_the_ice(warehouse: Warehouse) -> None:
         ("mine.py:x=1,a=c/mine.py", ["mine.py:x=1,a=c/mine.py"]),
     ],
 )
-def test_settings_follow_the_name_of_a_world(
-    worlds: str, expected: list[str] | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_settings_follow_the_name_of_a_world(worlds, expected, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("a=b").mkdir()
     Path("a=b", "mine.py").touch()
@@ -125,9 +123,7 @@ def test_a_sentence_names_the_cause(warehouse: Warehouse) -> None:
     assert "In the end: 9 of 24 steps missed their target cell" in failed
 
 
-def test_an_agent_that_takes_other_steps_for_its_own_reasons_is_diagnosed(
-    warehouse: Warehouse,
-) -> None:
+def test_an_agent_that_takes_other_steps_for_its_own_reasons_is_diagnosed(warehouse) -> None:
     Path("mine.py").write_text(
         "from pathlib import Path\n"
         "class Mine:\n"

@@ -2,7 +2,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from helpers.command_line import Refused
 
 from agents.lab.console.values import load_layout
 from agents.lab.place import Stations
@@ -11,9 +10,7 @@ from warehouse_core import DEFAULT_LAYOUT, LayoutError
 from warehouse_core.world.map_files import save_layout
 
 
-def test_each_file_is_checked_before_the_command_runs(
-    refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_each_file_is_checked_before_the_command_runs(refused, tmp_path, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     for name in ("run", "demo"):
         line = refused(name, "--save", tmp_path / "a.GIF", "--save", tmp_path / "a.MP4")
@@ -64,9 +61,7 @@ def test_stations_of_a_file_are_kept_unless_it_has_none(
         ("P.D", None, "1,0", "--start row 1, column 0 is off the grid"),
     ],
 )
-def test_a_place_without_an_episode_is_an_error(
-    tmp_path: Path, rows: str, stations: Stations | None, start: str | None, message: str
-) -> None:
+def test_a_place_without_an_episode_is_an_error(tmp_path, rows, stations, start, message) -> None:
     path = tmp_path / "room.txt"
     path.write_text(f"{rows}\n")
     with pytest.raises(LayoutError, match=message):

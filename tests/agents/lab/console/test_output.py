@@ -53,9 +53,7 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def test_a_replay_is_saved_at_the_given_speed_and_opens_no_window(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_replay_is_saved_at_the_given_speed_and_opens_no_window(monkeypatch, capsys) -> None:
     import matplotlib.pyplot as plt
 
     without_display(monkeypatch)
@@ -99,9 +97,7 @@ def test_a_window_opens_if_requested_or_if_nothing_is_saved(
     assert set(replay.speeds) <= {3.0}
 
 
-def test_a_default_name_does_not_overwrite_an_older_file(
-    monkeypatch: pytest.MonkeyPatch, folder: Path
-) -> None:
+def test_a_default_name_does_not_overwrite_an_older_file(monkeypatch, folder: Path) -> None:
     fake(monkeypatch, has_display=False)
     for _ in range(3):
         replay_or_save(short_episode(seed=None), [], None)
@@ -109,9 +105,7 @@ def test_a_default_name_does_not_overwrite_an_older_file(
     assert names(folder) == [f"{first}-2.gif", f"{first}-3.gif", f"{first}.gif"]
 
 
-def test_the_name_of_an_agent_cannot_lead_to_another_folder(
-    monkeypatch: pytest.MonkeyPatch, folder: Path
-) -> None:
+def test_the_name_of_an_agent_cannot_lead_to_another_folder(monkeypatch, folder: Path) -> None:
     fake(monkeypatch, has_display=False)
     episode = short_episode()
     episode.agent = "../my agent"

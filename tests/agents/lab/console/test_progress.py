@@ -26,9 +26,7 @@ def test_a_terminal_gets_a_bar_with_count_times_and_news(monkeypatch: pytest.Mon
     assert re.search(r"Q-learning [━╸╺ ]+ 100/200 \d:\d\d:\d\d \d:\d\d:\d\d 100 seen", line)
 
 
-def test_without_a_terminal_there_is_no_bar_but_a_line_a_minute(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_without_a_terminal_there_is_no_bar_but_a_line_a_minute(monkeypatch) -> None:
     assert shown(monkeypatch, io.StringIO(), 100) == ""
     now = 5.0
     monkeypatch.setattr(time, "monotonic", lambda: now)

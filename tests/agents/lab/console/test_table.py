@@ -13,9 +13,7 @@ TABLE = TextTable(
 
 
 @pytest.mark.parametrize("columns", [80, 40, 30, 8])
-def test_a_table_keeps_every_text_at_every_width(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, columns: int
-) -> None:
+def test_a_table_keeps_every_text_at_every_width(capsys, monkeypatch, columns: int) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
     print_table(TABLE)
     words = set(capsys.readouterr().out.replace("\n", " ").split())
@@ -24,9 +22,7 @@ def test_a_table_keeps_every_text_at_every_width(
     assert "\u2026" not in words
 
 
-def test_a_table_that_is_too_wide_is_a_list(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_table_that_is_too_wide_is_a_list(capsys, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "28")
     print_table(TABLE)
     assert capsys.readouterr().out.splitlines() == [

@@ -16,9 +16,7 @@ SHOWN = r"\x1b[2Ja\x07b\x9bc\u202ed\udcff[/bold] "
 
 
 @pytest.mark.parametrize("stream", ["stdout", "stderr"])
-def test_names_are_printed_without_control_characters(
-    monkeypatch: pytest.MonkeyPatch, stream: str
-) -> None:
+def test_names_are_printed_without_control_characters(monkeypatch, stream: str) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, stream, terminal)
     say(f"saved {NAME}\nin two lines", error=stream == "stderr")
@@ -43,9 +41,7 @@ def test_names_in_tables_are_printed_without_control_characters(
     assert printed.replace("\n", "").isprintable()
 
 
-def test_a_name_beside_a_progress_bar_has_no_control_characters_and_no_markup(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_name_beside_a_progress_bar_has_no_control_characters_and_no_markup(monkeypatch) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setenv("COLUMNS", "200")

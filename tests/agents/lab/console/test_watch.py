@@ -3,15 +3,11 @@
 import time
 from typing import Any
 
-import pytest
-
 from agents.lab.console import watch
 from agents.lab.trials.task import Task
 
 
-def test_each_step_that_takes_long_is_reported_once_with_its_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_each_step_that_takes_long_is_reported_once_with_its_line(capsys, monkeypatch) -> None:
     monkeypatch.setattr(watch, "SLOW_SECONDS", 0.05)
     monkeypatch.setattr(watch, "LOOK_SECONDS", 0.01)
 

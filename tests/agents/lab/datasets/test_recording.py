@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.command_line import Refused, Warehouse
+from helpers.command_line import Refused
 from helpers.fleets import SHELVES, Couriers
 from mcap.reader import make_reader
 
@@ -128,9 +128,7 @@ def test_messages_have_the_fields_of_their_schemas(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("record", [lambda: lone("physics"), crowd])
-def test_a_record_always_gives_the_same_bytes(
-    warehouse: Warehouse, tmp_path: Path, record: Callable[[], Any]
-) -> None:
+def test_a_record_always_gives_the_same_bytes(warehouse, tmp_path, record) -> None:
     record().save(tmp_path / "e.NPZ")
     for name in ("a.mcap", "b.MCAP"):
         target = tmp_path / name

@@ -100,9 +100,7 @@ def assert_same(one: Any, other: Any) -> None:
         ("return None", "'N'", "TypeError: action None is NoneType"),
     ],
 )  # fmt: skip
-def test_an_agent_that_fails_is_named_with_its_seed_and_its_step(
-    line: str, returned: str, reason: str
-) -> None:
+def test_an_agent_that_fails_is_named_with_its_seed_and_its_step(line, returned, reason) -> None:
     write_mine("act", line, returned)
     source = Source("mine.py", Task(Layout(["....."])))
     with pytest.raises(EpisodeError) as caught:

@@ -68,9 +68,7 @@ def test_each_line_is_an_episode_with_its_settings(results: Path) -> None:
     assert {line["program"] for line in table} == {"warehouse-lab 1"}
 
 
-def test_csv_has_the_values_of_the_store(
-    warehouse: Warehouse, results: Path, tmp_path: Path
-) -> None:
+def test_csv_has_the_values_of_the_store(warehouse: Warehouse, results: Path, tmp_path) -> None:
     target, before = tmp_path / "t.CSV", (results.read_bytes(), results.stat().st_mtime_ns)
     assert warehouse("export", results, target) == (0, f"saved {target}\n", "")
     assert (results.read_bytes(), results.stat().st_mtime_ns) == before
@@ -87,9 +85,7 @@ def test_csv_has_the_values_of_the_store(
     [(ODD_NAME, printable(ODD_NAME)), ("hall\udcff.txt", "hall\\udcff.txt"), ("-1", "'-1")],
     ids=["special characters", "no UTF-8", "a number"],
 )
-def test_names_are_kept_and_never_executed(
-    warehouse: Warehouse, tmp_path: Path, name: str, in_csv: str
-) -> None:
+def test_names_are_kept_and_never_executed(warehouse, tmp_path, name, in_csv) -> None:
     results = stored(tmp_path / "r.sqlite", {**make_case({}), "agent": name})
     assert warehouse("export", results, tmp_path / "t.csv").code == 0
     lines = read_csv(tmp_path / "t.csv")
@@ -97,9 +93,7 @@ def test_names_are_kept_and_never_executed(
     assert {line["reward"] for line in lines} == {str(-0.1 - 0.2)}, "a negative number is kept"
 
 
-def test_an_export_that_fails_keeps_the_existing_file(
-    refused: Refused, results: Path, tmp_path: Path
-) -> None:
+def test_an_export_that_fails_keeps_the_existing_file(refused, results, tmp_path) -> None:
     target = tmp_path / "t.csv"
     target.write_text("existing")
     with closing(sqlite3.connect(results)) as database:
@@ -110,9 +104,7 @@ def test_an_export_that_fails_keeps_the_existing_file(
     assert names(tmp_path) == {"r.sqlite", target.name}
 
 
-def test_a_damaged_result_is_a_one_line_error(
-    refused: Refused, results: Path, tmp_path: Path
-) -> None:
+def test_a_damaged_result_is_a_one_line_error(refused: Refused, results: Path, tmp_path) -> None:
     with closing(sqlite3.connect(results)) as database:
         database.execute("UPDATE episodes SET steps = 'many' WHERE case_id = 1")
         database.commit()

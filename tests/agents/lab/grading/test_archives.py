@@ -70,9 +70,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(("reason", "write"), BAD.items(), ids=BAD)
-def test_an_archive_that_is_not_as_it_should_be_is_refused(
-    tmp_path: Path, reason: str, write: Write
-) -> None:
+def test_an_archive_that_is_not_as_it_should_be_is_refused(tmp_path, reason, write) -> None:
     path, folder = archive_of(tmp_path, write), tmp_path / "inner" / "folder"
     folder.mkdir(parents=True)
     with pytest.raises(AgentError, match=reason):
@@ -109,9 +107,7 @@ def test_paths_with_backslashes_and_suffixes_in_capitals_are_unpacked(tmp_path: 
     assert [(tmp_path / name).read_text() for name in found] == ["one", "two"]
 
 
-def test_what_is_no_archive_or_has_a_large_index_is_refused_before_it_is_read(
-    tmp_path: Path,
-) -> None:
+def test_what_is_no_archive_or_has_a_large_index_is_refused_before_it_is_read(tmp_path) -> None:
     path = archive_of(tmp_path, lambda archive: archive.writestr("a", ""))
     data = path.read_bytes()
     large = data[:-10] + struct.pack("<L", 2**30) + data[-6:]

@@ -79,9 +79,7 @@ def answer(cell, word):
         ("return 3 if not word else __import__('os')._exit(3)", 6, "exit code 3"),
     ],
 )
-def test_a_call_that_goes_wrong_is_told_and_the_others_count(
-    tmp_path: Path, body: str, points: float, worst: str
-) -> None:
+def test_a_call_that_goes_wrong_is_told_and_the_others_count(tmp_path, body, points, worst) -> None:
     report = graded(tmp_path, f"{TABLE}def answer(cell, word):\n    {body}\n")
     assert report.points == points
     assert worst in report.grades[0].worst
@@ -106,9 +104,7 @@ def test_of_hidden_calls_neither_arguments_nor_answers_are_told(tmp_path: Path) 
         (10**400, 10**400, True),
     ],
 )  # fmt: skip
-def test_numbers_may_differ_a_little_and_nothing_else(
-    answer: object, wanted: object, same: bool
-) -> None:
+def test_numbers_may_differ_a_little_and_nothing_else(answer, wanted, same) -> None:
     assert is_right(answer, wanted) == same
 
 

@@ -107,9 +107,7 @@ def failed(run: Run, step: int, failure: AgentFailureError = CRASH) -> Run:
          10, "all in time in 2 episodes: none too slow", None),
     ],
 )  # fmt: skip
-def test_a_measure_is_told_with_the_worst_episode(
-    criterion: Criterion, runs: list[Run], points: float, seen: str, worst: tuple[int, str] | None
-) -> None:
+def test_a_measure_is_told_with_the_worst_episode(criterion, runs, points, seen, worst) -> None:
     found = judged(criterion, *runs)
     assert (found.points, found.seen) == (points, seen)
     if worst is None:

@@ -54,9 +54,7 @@ def solution(name: str) -> str:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_solution_has_all_points_and_a_starting_file_runs_and_has_few(
-    name: str, tmp_path: Path
-) -> None:
+def test_a_solution_has_all_points_and_a_starting_file_runs_and_has_few(name, tmp_path) -> None:
     rubric = load(name)
     assert rubric.points == 100
     assert graded(solution(name), tmp_path, name).points == 100
@@ -69,9 +67,7 @@ def test_a_solution_has_all_points_and_a_starting_file_runs_and_has_few(
 
 
 @pytest.mark.parametrize(("before", "name"), [*pairwise(AGENTS)])
-def test_the_solution_of_the_exercise_before_is_not_enough(
-    before: str, name: str, tmp_path: Path
-) -> None:
+def test_the_solution_of_the_exercise_before_is_not_enough(before, name, tmp_path) -> None:
     assert graded(solution(before), tmp_path, name).points < 70
 
 

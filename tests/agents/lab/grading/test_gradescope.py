@@ -113,16 +113,12 @@ AS_ASKED = "counted as on time, because submission_metadata.json is not as expec
         ({"users": 1}, 0, AS_ASKED + "it has no time of the submission or no due date"),
     ],
 )  # fmt: skip
-def test_a_day_that_has_begun_is_late_after_the_grace_period(
-    tmp_path: Path, changes: dict[str, Any], days: int, note: str
-) -> None:
+def test_a_day_that_has_begun_is_late_after_the_grace_period(tmp_path, changes, days, note) -> None:
     (tmp_path / "submission_metadata.json").write_text(json.dumps(METADATA | changes))
     assert days_late(tmp_path, 5) == (days, note)
 
 
-def test_metadata_that_cannot_be_read_count_as_on_time_with_a_remark(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_metadata_that_cannot_be_read_count_as_on_time_with_a_remark(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(gradescope, "MAX_METADATA", 200_000)
     assert days_late(tmp_path, 5) == (0, f"{AS_ASKED}No such file or directory")
     for text, reason in {"[" * 100_000: "recursion", " " * 200_001: "it is longer than"}.items():

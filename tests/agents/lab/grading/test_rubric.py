@@ -84,9 +84,7 @@ def test_a_criterion_without_any_episode_is_refused(tmp_path: Path) -> None:
         ("answer_seconds", 0.1, 0.1, {0.1: 10, 0.11: 0}),
     ],
 )
-def test_points_grow_evenly_from_zero_to_full(
-    kind: str, full: float, zero: float, points: dict[float, float]
-) -> None:
+def test_points_grow_evenly_from_zero_to_full(kind, full, zero, points) -> None:
     criterion = Criterion("a criterion", 10, kind, ("cases",), full, zero)
     assert {value: criterion.points_for(value) for value in points} == points
 

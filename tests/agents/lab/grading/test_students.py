@@ -36,10 +36,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_each_student_of_a_class_has_one_row_with_the_right_points(
-    tmp_path: Path,
-    system: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path, system: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("agents.lab.grading.submissions.MAX_FILES", 30)
     folder, table = tmp_path / "all", tmp_path / "grades.csv"
@@ -159,9 +156,7 @@ def test_all_files_of_a_student_are_in_one_copy_under_their_own_names(tmp_path: 
     assert texts == {"agent.py": "1", "zo\u00eb.py": "2", "data.txt": "3"}
 
 
-def test_code_comes_first_if_a_submission_has_too_many_files(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_code_comes_first_if_a_submission_has_too_many_files(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("agents.lab.grading.submissions.MAX_FILES", 4)
     for name in ("agent.py", "own/__init__.py", "own/deep/x.py", "a.txt", "b.txt", "venv/lib/y.py",
                  ".git/z.py"):  # fmt: skip
@@ -175,9 +170,7 @@ def test_code_comes_first_if_a_submission_has_too_many_files(
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_grading_resumes_from_a_table_that_a_spreadsheet_has_saved(
-    tmp_path: Path, form: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_grading_resumes_from_a_table_that_a_spreadsheet_has_saved(tmp_path, form, capsys) -> None:
     rubric, table = load_rubric(write_rubric(tmp_path, DOUBLE)), tmp_path / "grades.csv"
     for name, text in {
         "Zo\u00eb.py": "def double(x): return 2 * x",

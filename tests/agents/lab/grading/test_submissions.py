@@ -234,9 +234,7 @@ def test_reading_its_files_leaves_no_sign_for_the_next_process_of_an_agent(tmp_p
         assert report.reason.endswith("8 ineffective and 2 unreachable"), report.remarks
 
 
-def test_a_large_folder_is_not_copied_for_one_of_its_files(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_large_folder_is_not_copied_for_one_of_its_files(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(submissions, "MAX_FILES", 2)
     for name in ("agent.py", "one", "two"):
         (tmp_path / name).write_text(GOOD)
@@ -356,9 +354,7 @@ def test_notebooks_archives_and_nested_files_are_graded_and_leave_nothing(tmp_pa
          "allowed: warehouse_core (agent.py, line 4)"),
     ],
 )  # fmt: skip
-def test_a_rubric_says_what_agents_may_import(
-    tmp_path: Path, limits: str, source: str, said: str
-) -> None:
+def test_a_rubric_says_what_agents_may_import(tmp_path, limits, source, said) -> None:
     (tmp_path / "mine.py").touch()
     rubric = RUBRIC.replace("give_up_after = 1", f"give_up_after = 1\n{limits}")
     report = grade_source(tmp_path, f"{source}\nclass Agent(A):\n    pass\n", rubric)
@@ -402,9 +398,7 @@ def test_files_of_a_folder_hide_nothing_from_each_other(tmp_path: Path) -> None:
     }  # fmt: skip
 
 
-def test_a_submission_is_parsed_in_its_own_process_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_submission_is_parsed_in_its_own_process_alone(tmp_path, monkeypatch) -> None:
     """The syntax tree of a list of four megabytes takes two gigabytes."""
     monkeypatch.setattr(ast, "parse", lambda *_: pytest.fail("the grader parses"))
     report = grade_source(tmp_path, f"import numpy\nx = [{'0,' * 2_000_000}]\n{GOOD}")
@@ -436,9 +430,7 @@ def test_root_leaves_agents_to_nobody_if_both_walls_stand(monkeypatch: pytest.Mo
         assert agents_user(user, trusted) == expected
 
 
-def test_who_is_not_kept_from_others_must_be_trusted(
-    monkeypatch: pytest.MonkeyPatch, no_walls: None
-) -> None:
+def test_who_is_not_kept_from_others_must_be_trusted(monkeypatch, no_walls: None) -> None:
     monkeypatch.setattr(os, "getuid", lambda: 1000)
     assert check_trust(None, is_trusted=False, are_many=False).startswith("agents can read files")
     with pytest.raises(

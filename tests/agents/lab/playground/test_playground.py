@@ -13,7 +13,7 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
-from helpers.command_line import Refused, Warehouse
+from helpers.command_line import Refused
 
 from agents.lab.grading.rubric import exercise_names
 from agents.lab.playground import runtime
@@ -48,9 +48,7 @@ def server(files: Path) -> Iterator[str]:
         running.shutdown()
 
 
-def test_the_folder_has_all_that_the_page_loads(
-    files: Path, tmp_path: Path, warehouse: Warehouse
-) -> None:
+def test_the_folder_has_all_that_the_page_loads(files, tmp_path, warehouse) -> None:
     page = tmp_path / "a page"
     result = warehouse("playground", "-o", page, "--pyodide", files)
     assert result.out.splitlines()[-1].endswith(f"python -m http.server -d '{page}'")
@@ -73,9 +71,7 @@ def test_the_folder_has_all_that_the_page_loads(
     assert "rows" not in settings["exercises"]["exercise-02"]
 
 
-def test_files_come_from_a_server_and_only_if_they_are_missing(
-    files: Path, server: str, tmp_path: Path
-) -> None:
+def test_files_come_from_a_server_and_only_if_they_are_missing(files, server, tmp_path) -> None:
     page = tmp_path / "page"
     page.mkdir()
     runtime.copy_runtime(server, page)

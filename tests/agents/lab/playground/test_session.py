@@ -49,9 +49,7 @@ def page(tmp_path: Path) -> Page:
     return Page(tmp_path)
 
 
-def test_an_episode_is_that_of_warehouse_run(
-    page: Page, tmp_path: Path, warehouse: Warehouse
-) -> None:
+def test_an_episode_is_that_of_warehouse_run(page: Page, tmp_path, warehouse: Warehouse) -> None:
     steps = [page.begin("step", seed=7)["steps"], page.ask(do="step", start=None)["steps"]]
     answer = page.ask(do="run", start=None)
     saved = tmp_path / "episode.npz"
@@ -93,9 +91,7 @@ def test_an_episode_of_an_exercise_is_as_the_exercise_has_it(name: str, page: Pa
         (AGENT.format("raise SystemExit(3)"), "SystemExit: 3", 5),
     ],
 )
-def test_an_error_has_the_line_of_the_agent(
-    code: str, error: str, line: int | None, page: Page
-) -> None:
+def test_an_error_has_the_line_of_the_agent(code, error, line, page) -> None:
     answer = page.begin("run", code)
     assert error in answer["error"]
     assert answer["line"] == line
@@ -111,9 +107,7 @@ def test_what_an_agent_prints_is_shown(page: Page) -> None:
     assert page.ask(do="step", start=None)["printed"] == "1\n"
 
 
-def test_a_grade_is_that_of_warehouse_grade(
-    page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_grade_is_that_of_warehouse_grade(page: Page, tmp_path, monkeypatch) -> None:
     few = property(lambda case: range(case.first_seed, case.first_seed + 2))
     monkeypatch.setattr(GradedCase, "seeds", few)  # for speed
     code = STARTER.replace('self.random.choice("NESW")', '"WAIT"')

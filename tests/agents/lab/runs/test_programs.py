@@ -134,9 +134,7 @@ def test_the_fingerprint_of_a_module_covers_its_package_and_folder(folder: Path)
     assert found[2] == found[3]
 
 
-def test_only_the_agents_own_package_is_read_among_installed_packages(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_only_the_agents_own_package_is_read_among_installed_packages(folder, monkeypatch) -> None:
     monkeypatch.setattr(programs, "_installed", lambda: {folder})
     names = [
         {file.name for file in programs._with_imports([folder / name], folder, own)}
@@ -150,9 +148,7 @@ def test_the_agents_of_this_program_have_no_fingerprint() -> None:
     assert fingerprint(None, "agents.warehouse_agent_greedy") is None
 
 
-def test_only_files_of_a_limited_size_are_read(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_only_files_of_a_limited_size_are_read(folder: Path, monkeypatch) -> None:
     os.mkfifo(folder / "pipe.py")
     for other in (folder, folder / "pipe.py", Path("/dev/zero")):
         with pytest.raises(AgentError, match=r"it is a (folder|pipe|device), not a file"):

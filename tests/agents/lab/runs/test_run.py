@@ -82,9 +82,7 @@ KINDS = ("lone", "fleet", "planned")
 @pytest.mark.parametrize(
     ("third", "error"), [(fail, "ValueError: too far"), (leave, "SystemExit: 3")]
 )
-def test_a_failure_names_seed_step_agent_and_line_and_keeps_the_record(
-    kind: str, third: Callable[[], None], error: str
-) -> None:
+def test_a_failure_names_seed_step_agent_and_line_and_keeps_the_record(kind, third, error) -> None:
     with pytest.raises(EpisodeError) as failed:
         run(*begin(kind, third), 4, name="mine")
     assert str(failed.value) == f"seed 4, step 3, agent mine: {error} {line_in(third)}"
@@ -110,9 +108,7 @@ def test_an_interrupt_names_the_step_and_keeps_the_record(kind: str) -> None:
         ),
     ],
 )
-def test_a_wrong_action_and_a_failure_in_reset_are_named(
-    agent: Any, place: str, reason: str
-) -> None:
+def test_a_wrong_action_and_a_failure_in_reset_are_named(agent, place, reason) -> None:
     with pytest.raises(EpisodeError) as failed:
         run(WarehouseEnv(), agent, 4)
     assert str(failed.value).startswith(f"seed 4, {place}, agent {type(agent).__name__}: {reason}")

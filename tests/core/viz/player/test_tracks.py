@@ -1,5 +1,4 @@
 import math
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -33,9 +32,7 @@ def test_a_page_has_the_plans_of_each_frame() -> None:
 
 
 @pytest.mark.parametrize("opens_at", [None, 0.0, 61.5])
-def test_a_page_says_when_it_opens_or_that_it_plays(
-    opens_at: float | None, tmp_path: Path, track: Track
-) -> None:
+def test_a_page_says_when_it_opens_or_that_it_plays(opens_at, tmp_path, track) -> None:
     save_page(tmp_path / "x.html", [track], opens_at=opens_at)
     frame = player_frame([track], opens_at=opens_at)
     for page in ((tmp_path / "x.html").read_text(encoding="utf-8"), page_in(frame)):

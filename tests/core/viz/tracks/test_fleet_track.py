@@ -1,6 +1,5 @@
 import dataclasses
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -82,9 +81,7 @@ def test_an_order_is_late_from_the_step_after_its_due_time() -> None:
 
 
 @pytest.mark.parametrize("frame_seconds", [0.2, None])
-def test_the_energy_is_the_sum_over_all_robots(
-    bodies: FleetEpisode, frame_seconds: float | None
-) -> None:
+def test_the_energy_is_the_sum_over_all_robots(bodies, frame_seconds) -> None:
     track = track_of_record(bodies, frame_seconds)
     used = np.concatenate([[0.0], bodies.joules.sum(axis=1).cumsum()])
     assert (bodies.joules[0] > 0).sum() > 1, "the first robot is not alone"
@@ -93,9 +90,7 @@ def test_the_energy_is_the_sum_over_all_robots(
 
 
 @pytest.mark.parametrize("body", [0, -1], ids=["a robot", "a person"])
-def test_a_motion_of_a_fleet_longer_than_its_step_says_raises(
-    bodies: FleetEpisode, tmp_path: Path, body: int
-) -> None:
+def test_a_motion_of_a_fleet_longer_than_its_step_says_raises(bodies, tmp_path, body) -> None:
     motions = [list(each) for each in bodies.motions]
     motions[0][body] = motions[0][body]._replace(seconds=1e9)
     path = tmp_path / "slow.npz"
@@ -104,9 +99,7 @@ def test_a_motion_of_a_fleet_longer_than_its_step_says_raises(
         track_of_record(FleetEpisode.load(path))
 
 
-def test_motions_of_too_many_bodies_for_their_frames_raise(
-    bodies: FleetEpisode, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_motions_of_too_many_bodies_for_their_frames_raise(bodies, monkeypatch) -> None:
     drawn = sum(len(frame.robots) for frame in track_of_record(bodies).frames)
     monkeypatch.setattr(record_track, "MAX_POSES", 2 * drawn)
     track_of_record(bodies)

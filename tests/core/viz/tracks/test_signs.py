@@ -6,11 +6,7 @@ import pytest
 
 from warehouse_core.render.palette import LOOK, PALETTE
 from warehouse_core.viz.tracks.signs import look_of, signs_of
-from warehouse_core.viz.tracks.track import (
-    Frame,
-    Pose,
-    Track,
-)
+from warehouse_core.viz.tracks.track import Frame, Pose, Track
 
 FLOOR = ("...", "...", "...")
 ROBOT = "R robot (empty)"

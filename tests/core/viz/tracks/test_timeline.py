@@ -26,9 +26,7 @@ def track_with(*frames: tuple[float, float, float], is_continuous: bool = False)
         (4.0, [0.5] * 3 + [1.5] * 2),
     ],
 )
-def test_a_ghost_is_where_the_other_robot_is_on_the_common_clock(
-    seconds: float, expected: list[float]
-) -> None:
+def test_a_ghost_is_where_the_other_robot_is_on_the_common_clock(seconds, expected) -> None:
     body = track_with(
         (0, 0, 0.5), (0.5, 1, 1), (1, 2, 1.5), (1.5, 4, 2), (2, 5, 2.5), is_continuous=True
     )

@@ -14,11 +14,7 @@ from warehouse_core import Episode, RecordError
 from warehouse_core.motion.base import Contact
 from warehouse_core.records.drive_summary import drive_summary
 from warehouse_core.viz.tracks.grid_track import track_of_frames
-from warehouse_core.viz.tracks.record_track import (
-    Floor,
-    frames_along,
-    track_of_record,
-)
+from warehouse_core.viz.tracks.record_track import Floor, frames_along, track_of_record
 from warehouse_core.viz.tracks.series import series_of
 from warehouse_core.viz.tracks.track import OUTER, Frame, Pose, TileRows, Track
 
@@ -114,9 +110,7 @@ def test_rows_may_be_strings_and_arrays() -> None:
         (["#R#"], 0, "#.#"),
     ],
 )
-def test_the_tile_under_the_robot_is_seen_in_the_nearest_frame_or_empty(
-    frames: list[str], index: int, row: str
-) -> None:
+def test_the_tile_under_the_robot_is_seen_in_the_nearest_frame_or_empty(frames, index, row) -> None:
     assert tiles(track_of_frames([[each] for each in frames]))[index] == (row,)
 
 

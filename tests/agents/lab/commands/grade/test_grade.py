@@ -105,9 +105,7 @@ def test_results_have_the_form_that_gradescope_reads(warehouse: Warehouse, rubri
     assert "time" not in results
 
 
-def test_the_page_loads_nothing_and_escapes_what_agents_say(
-    warehouse: Warehouse, rubric: Path
-) -> None:
+def test_the_page_loads_nothing_and_escapes_what_agents_say(warehouse, rubric) -> None:
     [file] = write_submissions(Path(), "raises_markup")
     saved = [*("--save", "report.html"), *("--save", "report.json")]
     out = warehouse("grade", "--trust", file, "--rubric", rubric, *saved).out
@@ -222,9 +220,7 @@ def test_another_table_is_not_written_over(refused: Refused) -> None:
     assert Path("other.csv").read_text(encoding="utf-8") == "a,b\n1,2\n"
 
 
-def test_the_files_of_a_class_are_written_and_not_written_over(
-    warehouse: Warehouse, refused: Refused, rubric: Path
-) -> None:
+def test_the_files_of_a_class_are_written_and_not_written_over(warehouse, refused, rubric) -> None:
     out = warehouse("grade", "--write", "my_agent.py").out
     assert out == "saved my_agent.py; to grade it: warehouse grade my_agent.py\n"
     report = grade(find_submission("my_agent.py"), load_rubric(MINI_LAB))
@@ -281,9 +277,7 @@ def test_pages_show_what_is_visible_by_then_in_one_file_each(
     assert page.exists()
 
 
-def test_unknown_late_submissions_and_the_name_of_the_index_are_refused(
-    refused: Refused, rubric: Path
-) -> None:
+def test_unknown_late_submissions_and_the_name_of_the_index_are_refused(refused, rubric) -> None:
     write_submissions(Path("all"), "searches")
     Path("late.csv").write_text("submission,days\nsearch,2\n")
     words = "grade", "--trust", "all", "--rubric", rubric, "--late", "late.csv"
@@ -292,9 +286,7 @@ def test_unknown_late_submissions_and_the_name_of_the_index_are_refused(
     assert refused(*words).startswith("all/index: no submission may have the name of the page")
 
 
-def test_tables_for_others_are_saved_and_agents_have_a_class(
-    warehouse: Warehouse, rubric: Path
-) -> None:
+def test_tables_for_others_are_saved_and_agents_have_a_class(warehouse, rubric) -> None:
     Path("all").mkdir()
     Path("all", "ann.py").write_text(GOOD, encoding="utf-8")
     words = ("grade", "--trust", "all:Mine", "--rubric", rubric, "--jobs", 1)

@@ -114,9 +114,7 @@ def folder() -> Path:
     return path
 
 
-def test_scenarios_that_are_solved_are_counted_over_the_number_of_robots(
-    folder: Path, warehouse: Warehouse
-) -> None:
+def test_scenarios_that_are_solved_are_counted_over_the_number_of_robots(folder, warehouse) -> None:
     Path("mine.py").write_text(
         "from agents.errors import PlanError\nfrom agents.mapf.cbs import solve_cbs\n\n"
         "def mine(problem, seconds):\n    if problem.lower_bound == 3:\n"
@@ -137,9 +135,7 @@ def test_scenarios_that_are_solved_are_counted_over_the_number_of_robots(
     assert Path("share.svg").read_text().startswith("<?xml")
 
 
-def test_by_default_numbers_of_robots_double_as_far_as_the_files_go(
-    folder: Path, warehouse: Warehouse
-) -> None:
+def test_by_default_numbers_of_robots_double_as_far_as_the_files_go(folder, warehouse) -> None:
     many = [(col, row, 4 - col, row) for row in (0, 1) for col in range(5)] * 3
     Path(folder, "long.scen").write_text(scenario(*many))
     out = warehouse("compare", "planners", folder / "hall-1.scen", folder, "-j", 1).out

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.command_line import Refused, Warehouse, write_mine
+from helpers.command_line import Warehouse, write_mine
 from helpers.mapf_validator import plan_conflict
 from helpers.player import said_by
 
@@ -65,9 +65,7 @@ def paths_in(file: str) -> tuple[np.ndarray, list[str]]:
 
 
 @pytest.mark.parametrize("planner", ["cbs", "lacam", "windowed"])
-def test_plans_for_a_scenario_are_measured_next_to_the_bound(
-    bay: str, planner: str, warehouse: Warehouse
-) -> None:
+def test_plans_for_a_scenario_are_measured_next_to_the_bound(bay, planner, warehouse) -> None:
     code, out, err = warehouse("plan", bay, "--planner", planner, "-o", "a.csv", "-o", "a.html")
     assert (code, err) == (0, "")
     found = rows_of(out)
@@ -98,18 +96,14 @@ def test_paths_of_robots_with_headings_have_them(bay: str, warehouse: Warehouse)
 
 
 @pytest.mark.parametrize("moves", ["compass", "turn"])
-def test_auto_is_run_by_default_and_says_what_it_chose(
-    moves: str, bay: str, warehouse: Warehouse
-) -> None:
+def test_auto_is_run_by_default_and_says_what_it_chose(moves, bay, warehouse) -> None:
     code, out, err = warehouse("plan", bay, "--moves", moves, "--plan-seconds", 1)
     assert (code, err) == (0, "")
     assert [*rows_of(out)][-1] == "auto"
     assert out.startswith("--planner auto chose lacam: ")
 
 
-def test_a_planner_without_a_plan_is_reported_next_to_the_others(
-    bay: str, warehouse: Warehouse
-) -> None:
+def test_a_planner_without_a_plan_is_reported_next_to_the_others(bay, warehouse) -> None:
     write_mine("next_cells", "pass", "seen.cells")
     words = ("--planner", "mine.py:Mine", "--plan-seconds", 0.05)
     code, out, err = warehouse("plan", bay, *words, "--planner", "lacam")
@@ -119,9 +113,7 @@ def test_a_planner_without_a_plan_is_reported_next_to_the_others(
     assert warehouse("plan", bay, *words).code == 1
 
 
-def test_bodies_that_need_pymunk_are_refused_before_the_plans(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bodies_that_need_pymunk_are_refused_before_the_plans(refused, monkeypatch) -> None:
     load_backend.cache_clear()
     monkeypatch.setitem(sys.modules, "warehouse_physics", None)
     said = refused("plan", "--robots", 2, "--drive")
@@ -140,15 +132,11 @@ def test_bodies_that_need_pymunk_are_refused_before_the_plans(
         ("bay.scen --layout hall", "scenario 1 is for 2 x 3 cells"),
     ],
 )
-def test_impossible_plans_are_refused_with_the_reason(
-    bay: str, options: str, words: str, refused: Refused
-) -> None:
+def test_impossible_plans_are_refused_with_the_reason(bay, options, words, refused) -> None:
     assert words in refused("plan", *options.split())
 
 
-def test_robots_of_generated_problems_are_in_the_largest_part(
-    warehouse: Warehouse, refused: Refused
-) -> None:
+def test_robots_of_generated_problems_are_in_the_largest_part(warehouse, refused) -> None:
     write_map("two.map", ("..#....", "..#...."))
     code, out, _ = warehouse("plan", "--layout", "two.map", "--robots", 4, "--seed", 1)
     assert code == 0
@@ -204,9 +192,7 @@ def test_a_replay_shows_each_step_and_the_paths_of_the_last_to_arrive() -> None:
         ("return 1 / 0", "planner 'mine.py:mine' failed: ZeroDivisionError: division by zero ("),
     ],
 )
-def test_a_solver_of_a_user_that_fails_is_named(
-    line: str, message: str, hall: str, refused: Refused
-) -> None:
+def test_a_solver_of_a_user_that_fails_is_named(line, message, hall, refused) -> None:
     Path("mine.py").write_text(TRIVIAL + line)
     said = refused("plan", hall, "--planner", "mine.py:mine")
     assert said.startswith(message)
@@ -230,9 +216,7 @@ def test_a_solver_of_a_user_takes_arguments(hall: str, warehouse: Warehouse) -> 
         ("mine.py:short", "function 'mine.py:short' cannot be called with two arguments; needed"),
     ],
 )
-def test_a_solver_that_lacks_something_is_named(
-    name: str, message: str, hall: str, refused: Refused
-) -> None:
+def test_a_solver_that_lacks_something_is_named(name, message, hall, refused) -> None:
     Path("mine.py").write_text(f"{TRIVIAL}pass\n\ndef short(problem): pass\n")
     said = refused("plan", hall, "--planner", name)
     assert said.startswith(message)
