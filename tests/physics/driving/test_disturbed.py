@@ -52,6 +52,7 @@ def ring(step: int) -> list[Cell]:
     [
         Disturbances(actuation_noise=0.1),
         Disturbances(drag_spread=0.9),
+        Disturbances(motor_strength=0.5),
         Disturbances(slippery=frozenset({(1, 1), (2, 2)})),
     ],
 )
