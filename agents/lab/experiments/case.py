@@ -218,11 +218,6 @@ def make_env(case: Case, layout: Layout, *, dispatch: bool = True) -> WarehouseE
         )
 
 
-def randomize_for(case: Case) -> bool | str:
-    """Return the ``randomize`` argument of a lone robot's reset, and ``True`` for a fleet."""
-    return is_fleet(case) or what_to_draw(Stations(case["stations"]))
-
-
 def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent | FleetAgent:
     """Return the planner, the team of agents or the single agent that controls the robots."""
     if not is_fleet(case):
@@ -325,7 +320,8 @@ def run_one(case: Case, seed: int) -> Episode:
     agent: Any = make_agent_for(case, seed, layout)
     made: Any = make_env(case, layout, dispatch=is_fleet(case) and wants_dispatch(agent))
     with closing(made) as env:
-        name, randomize = director_of(case), randomize_for(case)
+        name = director_of(case)
+        randomize = is_fleet(case) or what_to_draw(Stations(case["stations"]))
         episode: Episode = run(env, agent, seed, name=name, randomize=randomize)
         return episode
 

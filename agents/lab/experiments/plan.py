@@ -107,8 +107,6 @@ def _parse(content: Mapping[str, Any]) -> PlanFile:
         for group, table in tables.items()
         for key, choice in table.items()
     }
-    for name in choices:
-        find(name)
     numbers: dict[str, Any] = {
         key: checked(key, content[key], check) for key, check in NUMBERS.items() if key in content
     }
@@ -127,7 +125,6 @@ def parse_flags(flags: Sequence[str]) -> dict[str, Any]:
         name = name.strip()
         if not equals:
             raise ParameterError(f"{flag!r} has no value; write NAME=VALUE")
-        find(name)
         if name in choices:
             raise ParameterError(f"{name} is given twice; write {name}=VALUE,VALUE")
         limits = [_value(word) for word in words.split(":")]

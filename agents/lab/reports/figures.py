@@ -7,7 +7,7 @@ in cells.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from io import BytesIO
 from itertools import product
 from typing import Any, NamedTuple
@@ -216,15 +216,15 @@ def measure_figure(chart: ReportChart, title: str, measure: ReportedMeasure) -> 
         number = colors.index(shade)
         shift = (number - (len(colors) - 1) / 2) * DODGE * (last - first)
         points = {places[at] + shift: each for at, each in line.items() if at is not None and each}
-        drawn = _draw_line(
-            axes[panels.index(value)],
-            points,
-            line.get(None),
-            number,
-            "-" if axis.is_ordered else "",
-        )
-        if drawn:
-            keys.setdefault(labels[number], drawn)
+        panel, label = axes[panels.index(value)], labels[number]
+        if points:
+            drawn = draw_line(panel, points, number, "-" if axis.is_ordered else "")
+            keys.setdefault(label, drawn)
+        if everywhere := line.get(None):
+            look: dict[str, Any] = {"color": SERIES[number], "linewidth": 1.6}
+            dashed = panel.axhline(everywhere.estimate, linestyle=(0, (5, 2)), **look)
+            panel.axhspan(everywhere.low, everywhere.high, color=SERIES[number], alpha=0.15, lw=0)
+            keys.setdefault(label, dashed)
     room = 0.06 * (last - first) if axis.is_ordered else 0.5
     for each in axes:
         each.set_xlim(first - room, last + room)
@@ -240,22 +240,6 @@ def measured(measure: ReportedMeasure, results: Results) -> Interval | None:
     if interval is None or len(results.case_ids) == 1:
         return interval
     return Interval(interval.estimate)
-
-
-def _draw_line(
-    axes: Axes,
-    points: Mapping[float, Interval],
-    everywhere: Interval | None,
-    number: int,
-    line: str,
-) -> Any:
-    """Draw the results of one colour by place, and return the mark for the legend."""
-    key = draw_line(axes, points, number, line) if points else None
-    if everywhere:
-        look: dict[str, Any] = {"color": SERIES[number], "linewidth": 1.6}
-        key = axes.axhline(everywhere.estimate, linestyle=(0, (5, 2)), **look)
-        axes.axhspan(everywhere.low, everywhere.high, color=SERIES[number], alpha=0.15, lw=0)
-    return key
 
 
 COLORS = {

@@ -9,8 +9,7 @@ from __future__ import annotations
 import platform
 import re
 from base64 import b64encode
-from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
@@ -52,6 +51,13 @@ MAX_LETTERS = 60
 """Maximum length of a cell that is written on one line."""
 
 MADE_WITH = ("warehouse-lab", "numpy", "matplotlib")
+
+
+PROGRAMS = """
+SELECT program, count(*) AS number FROM episodes JOIN cases ON id = case_id
+GROUP BY program ORDER BY number DESC
+"""
+"""Query for the programs and the numbers of episodes that they have run."""
 
 
 class Section(NamedTuple):
@@ -101,7 +107,7 @@ def make_page(store: Store, replays: bool | None = False) -> Page:
     made_with = [
         ("Python", platform.python_version()),
         *((name, version(name)) for name in MADE_WITH),
-        *_programs(store, parts),
+        *((counted(number, "episode"), str(program)) for program, number in store.query(PROGRAMS)),
     ]
     sections = [
         Section("Answers", [answer for part in parts for answer in answers(part)]),
@@ -121,16 +127,6 @@ def make_page(store: Store, replays: bool | None = False) -> Page:
         sections=[each for each in sections if each.parts],
         methods=METHODS,
     )
-
-
-def _programs(store: Store, parts: Iterable[Experiment]) -> Iterator[tuple[str, str]]:
-    """Yield the number of episodes of each program and its name, most episodes first."""
-    names, counts = store.programs(), Counter[str]()
-    for part in parts:
-        for case_id in part.cases:
-            counts[names[case_id]] += part.results(case_id).episodes
-    for name, count in counts.most_common():
-        yield counted(count, "episode"), name
 
 
 def _summary(experiment: Experiment) -> str:

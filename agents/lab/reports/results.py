@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -306,6 +307,7 @@ class Results:
         modes: Number of episodes with each mode that occurs, in the order of ``MODES_OF``.
         seeds: First seed and last seed.
         is_measured: True if seconds and joules are measured; on the grid they are nominal.
+        interval: Function that computes the interval of a measure once.
     """
 
     def __init__(self, experiment: Experiment, case_ids: CaseIds) -> None:
@@ -317,22 +319,18 @@ class Results:
         self.modes = {mode: modes[mode] for mode in MODES_OF[self.kind.row] if mode in modes}
         self.seeds = int(self.columns["seed"].min()), int(self.columns["seed"].max())
         self.is_measured = all(experiment.cases[each]["backend"] != "grid" for each in case_ids)
-        self._intervals: dict[ReportedMeasure, Interval | None] = {}
+        self.interval = cache(self._interval)
 
     def has(self, measure: ReportedMeasure) -> bool:
         """Return whether these cases measure it, instead of assuming a nominal value."""
         return self.is_measured or not measure.is_physical
 
-    def interval(self, measure: ReportedMeasure) -> Interval | None:
+    def _interval(self, measure: ReportedMeasure) -> Interval | None:
         """Return the mean or the share of a measure, or ``None`` if no episode has a value."""
-        if measure not in self._intervals:
-            values = measure.value(self.columns)
-            self._intervals[measure] = (
-                share_interval(int(values.sum()), len(values))
-                if measure is SUCCESS
-                else mean_interval(values[~np.isnan(values)])
-            )
-        return self._intervals[measure]
+        values = measure.value(self.columns)
+        if measure is SUCCESS:
+            return share_interval(int(values.sum()), len(values))
+        return mean_interval(values[~np.isnan(values)])
 
     @property
     def main(self) -> Interval:
@@ -351,6 +349,7 @@ class Experiment:
         columns: Fields of the rows of these cases, see ``Results``.
         unbegun: Number of cases of this kind without an episode.
         design: Differences between the cases.
+        results, paired: Functions that compute pooled results and comparisons once.
 
     Raises:
         StoreError: no sweep can have written one of the cases or rows.
@@ -363,34 +362,27 @@ class Experiment:
         self.columns = {number: each for number, each in columns.items() if each}
         self.cases = {number: found[number] for number in self.columns}
         self.unbegun, self.design = len(found) - len(self.cases), Design(self.cases)
-        self._results: dict[CaseIds, Results] = {}
-        self._paired: dict[tuple[ReportedMeasure, int, int], Interval | None] = {}
+        self.results, self.paired = cache(self._results), cache(self._paired)
 
-    def results(self, *case_ids: int) -> Results:
+    def _results(self, *case_ids: int) -> Results:
         """Return the pooled results of some cases."""
-        if case_ids not in self._results:
-            self._results[case_ids] = Results(self, case_ids)
-        return self._results[case_ids]
+        return Results(self, case_ids)
 
-    def paired(self, measure: ReportedMeasure, one: int, other: int) -> Interval | None:
+    def _paired(self, measure: ReportedMeasure, one: int, other: int) -> Interval | None:
         """Return how much larger a measure is in one case than in another, compared seed by seed.
 
         Only seeds for which both cases have a value are compared. Return ``None`` if there are no
         such seeds.
         """
-        if (key := (measure, one, other)) not in self._paired:
-            first, second = self.columns[one], self.columns[other]
-            _, *both = np.intersect1d(
-                first["seed"], second["seed"], assume_unique=True, return_indices=True
-            )
-            values = measure.value(first)[both[0]] - measure.value(second)[both[1]]
-            values = values[~np.isnan(values)]
-            self._paired[key] = (
-                paired_share_interval(np.sum(values > 0), np.sum(values < 0), len(values))
-                if measure is SUCCESS and len(values)
-                else mean_interval(values)
-            )
-        return self._paired[key]
+        first, second = self.columns[one], self.columns[other]
+        _, *both = np.intersect1d(
+            first["seed"], second["seed"], assume_unique=True, return_indices=True
+        )
+        values = measure.value(first)[both[0]] - measure.value(second)[both[1]]
+        values = values[~np.isnan(values)]
+        if measure is SUCCESS and len(values):
+            return paired_share_interval(np.sum(values > 0), np.sum(values < 0), len(values))
+        return mean_interval(values)
 
 
 def _columns(case_id: int, rows: Iterable[AnyRow]) -> Columns:
