@@ -95,14 +95,6 @@ def test_a_range_includes_its_end_in_spite_of_rounding() -> None:
     assert values_of("battery", plan) == [20, 40]
 
 
-def test_a_plan_has_at_most_max_cases(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("agents.lab.experiments.plan.MAX_CASES", 6)
-    limits = {"from": 1, "to": 6, "step": 1}
-    assert make_plan({"battery": limits}, 1, 0).total == 6
-    with pytest.raises(ParameterError, match="at most MAX_CASES = 6 values"):
-        make_plan({"battery": limits | {"to": 7}}, 1, 0)
-
-
 def test_the_seeds_of_a_plan_are_consecutive() -> None:
     assert list(make_plan({}, 3, MAX_SEED).seeds) == [MAX_SEED, MAX_SEED + 1, MAX_SEED + 2]
     for seed in (-1, MAX_SEED + 1):

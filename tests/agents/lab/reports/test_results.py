@@ -7,7 +7,6 @@ from helpers.results_files import OFF, ON, experiment_of, fleet_row, outcomes, r
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import make_plan
-from agents.lab.experiments.store import Store
 from agents.lab.reports.results import (
     FLEETS,
     FOLDERS,
@@ -72,14 +71,6 @@ def test_the_seeds_are_from_the_first_to_the_last_of_all_cases() -> None:
     with experiment_of(cases) as experiment:
         assert experiment.results(1, 2).seeds == (5, 8)
         assert experiment.results(1).seeds == (7, 8)
-
-
-def test_rows_that_a_sweep_adds_later_are_not_counted() -> None:
-    cases = [(ON, outcomes("dd"))]
-    with experiment_of(cases) as experiment, Store(experiment.path) as writer:
-        writer.add(1, outcomes("dd", seed=50, steps=99))
-        results = experiment.results(1)
-        assert (results.episodes, estimates(results)[1]) == (2, 20)
 
 
 def test_two_cases_are_compared_on_the_seeds_that_both_have() -> None:
