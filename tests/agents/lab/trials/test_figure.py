@@ -2,7 +2,8 @@
 
 from helpers.results_files import BAD, GOOD, scores_of
 
-from agents.lab.trials.figure import scores_figure
+from agents.lab.trials.figure import WIDTH, scores_figure
+from agents.lab.trials.scores import GRID_MEASURES
 
 
 def test_each_measure_has_a_panel_and_each_task_a_colour_without_missing_values() -> None:
@@ -21,3 +22,6 @@ def test_each_measure_has_a_panel_and_each_task_a_colour_without_missing_values(
     assert list(share[0].get_ydata()) == [0, 1]
     assert share[2][0].get_segments()[1][1][1] == 1
     assert 0.8 < share[2][0].get_segments()[1][0][1] < 0.9
+    grid = scores_figure({"": one}, GRID_MEASURES)
+    assert (len(figure.axes), len(grid.axes)) == (6, 4), "no panel is empty"
+    assert grid.get_figwidth() == 2 * WIDTH
