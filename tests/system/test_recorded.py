@@ -404,20 +404,12 @@ def episodes() -> Lines:
 def shifts() -> Lines:
     """Yield shifts of fleets with compass moves and with headings, for each planner."""
     layout = shelf_layout(2, 3, aisle=2, pickups=3, dropoffs=2, chargers=2)
-    names = (
-        "auto",
-        "pibt",
-        "pibt:guidance=lanes",
-        "windowed",
-        "windowed:guidance=learned",
-        "circulation",
-    )
-    for moves, name in product(("compass", "turn"), names):
-        if moves == "turn" and name.startswith("pibt"):
-            continue
+    turning = "auto", "windowed", "windowed:guidance=learned", "circulation"
+    compass = *turning, "pibt", "pibt:guidance=lanes"
+    for moves, name in (*product(["compass"], compass), *product(["turn"], turning)):
         agent = make_fleet_agent(name, "urgent", 1, layout, 8)
         env = FleetEnv(
-            layout, 8, orders=OrderStream(0.5, due=(20, 60)), max_steps=90, battery=90,
+            layout, 8, orders=OrderStream(0.5, due=(20, 60)), max_steps=60, battery=50,
             people=1, moves=moves, dispatch=False, seed=5,
         )  # fmt: skip
         episode = record_fleet_episode(env, agent, seed=5)

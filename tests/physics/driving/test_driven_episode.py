@@ -24,6 +24,7 @@ from warehouse_core.records import drive_summary
 from warehouse_core.world.actions import DROP, PICK, WAIT, action_index
 from warehouse_core.world.named_layouts import NAMES, named_layout
 from warehouse_physics import Disturbances, DrivingMotion, RobotSpec, Stop
+from warehouse_physics.driving import driven_episode
 
 SPECS = {
     "disc": RobotSpec(),
@@ -172,14 +173,15 @@ def test_a_body_that_slid_on_or_never_arrives_is_refused() -> None:
         stuck.drive_episode(short)
 
 
-def test_a_body_that_stops_for_longer_than_it_may_stand_is_driven_on() -> None:
-    motion = DrivingMotion(disturbances=Disturbances(stops=[Stop(0, 1.0, 130.0)]))
+def test_a_body_that_stops_for_longer_than_it_may_stand_is_driven_on(monkeypatch) -> None:
+    monkeypatch.setattr(driven_episode, "PATIENCE", 10.0)
+    motion = DrivingMotion(disturbances=Disturbances(stops=[Stop(0, 1.0, 23.0)]))
     walk = record_episode(
         WarehouseEnv(Layout(["....."]), (0, 0), max_steps=4), Walk(*"EEEE"), randomize=False
     )
     driven = motion.drive_episode(walk)
     assert driven.cells == walk.cells
-    assert driven.seconds > 130
+    assert driven.seconds > 23
 
 
 def test_a_body_that_slid_over_a_cell_is_refused() -> None:
