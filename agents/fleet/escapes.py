@@ -21,6 +21,7 @@ from agents.mapf.kernels import lacam
 from agents.mapf.kernels import pibt as kernels
 from agents.mapf.kernels.buffers import table_of, write
 from agents.mapf.kernels.epibt import epibt_of
+from agents.mapf.kernels.local_guidance import guidance_of
 from agents.mapf.kernels.pibt import pibt_of
 from agents.mapf.kernels.places import FAR
 from agents.mapf.kernels.robots import robots_of
@@ -83,6 +84,7 @@ class JointSearch:
         for cell in deadlock.blocked:
             self._pibt.is_taken[cell] = kernels.CLOSED
         self._epibt = epibt_of(fields.graph.neighbours[:0, :WAIT], 0)  # unused
+        self._guidance = guidance_of(size, count, 0)
         self._search = search = lacam.new_search(count)
         write(search, ranks=ranks, rows=np.where(is_chief, 0, 2 * size))
         first = lacam.slot_of(search, robots.chosen, 0)
@@ -92,8 +94,8 @@ class JointSearch:
         """Continue for a number of rounds of PIBT, and return whether the search is over."""
         for _ in range(rounds):
             status = lacam.explore(
-                self._search, self._robots, self._pibt, self._epibt, self._floor, self._table,
-                self._table, 1,
+                self._search, self._robots, self._pibt, self._epibt, self._guidance, self._floor,
+                self._table, self._table, 1,
             )  # fmt: skip
             if status == lacam.FULL:
                 self._search = lacam.enlarged_search(self._search)

@@ -23,6 +23,7 @@ from agents.mapf.kernels import lacam as kernels
 from agents.mapf.kernels.buffers import write
 from agents.mapf.kernels.epibt import epibt_of
 from agents.mapf.kernels.lacam import prepare_solvers
+from agents.mapf.kernels.local_guidance import guidance_of
 from agents.mapf.kernels.pibt import pibt_of
 from agents.mapf.kernels.places import NONE
 from agents.mapf.kernels.robots import NOBODY, robots_of
@@ -88,14 +89,17 @@ class LaCAM:
     Args:
         problem: problem to solve. The costs of moves guide the robots, but plans cost their steps.
         seed: seed of random tie-breaks.
+        window: number of steps through which local guidance leads the robots, 0 for none. Robots
+            with headings have no guidance. See ``kernels/local_guidance.py``.
 
     Attributes:
         is_done: true if the search is complete, so that the plan is optimal or none exists.
         steps: distances in steps.
         lower_bound: sum of the shortest distances from starts to goals, in steps.
+        longest_path: greatest of these distances.
     """
 
-    def __init__(self, problem: Problem, seed: int = 0) -> None:
+    def __init__(self, problem: Problem, seed: int = 0, window: int = 0) -> None:
         prepare_solvers()
         self.problem, self.is_done = problem, False
         self._plain: LaCAM | None = None
@@ -113,8 +117,9 @@ class LaCAM:
         ahead = graph.neighbours[:, :WAIT]
         is_used = problem.headings is not None
         self._epibt = epibt_of(ahead, problem.robots) if is_used else epibt_of(ahead[:0], 0)
+        self._guidance = guidance_of(graph.size, problem.robots, window)
         left = self.steps.matrix.ravel()[step_rows + problem.places]
-        self.lower_bound = int(left.sum())
+        self.lower_bound, self.longest_path = int(left.sum()), int(left.max(initial=0))
         ranks = np.argsort(-left, kind="stable")
         self._search = search = kernels.new_search(problem.robots)
         write(search, ranks=ranks, rows=step_rows)
@@ -157,8 +162,8 @@ class LaCAM:
             portion = int(min(max(DECISIONS // max(robots, 1), 1), rounds))
             rounds -= portion
             status = kernels.explore(
-                self._search, self._robots, self._pibt, self._epibt, self._floor, self._fields,
-                self._steps, portion,
+                self._search, self._robots, self._pibt, self._epibt, self._guidance, self._floor,
+                self._fields, self._steps, portion,
             )  # fmt: skip
             if status == kernels.FULL:
                 if len(self._search.places) > MAX_NUMBERS:

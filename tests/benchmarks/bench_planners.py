@@ -7,6 +7,7 @@ one is used.
 
 import os
 import time
+from contextlib import suppress
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -146,6 +147,27 @@ def test_scenarios(place: tuple[str, int, int], measured) -> None:
     what = f"{name}, {robots} robots, {seconds} s, ratio of costs to the lower bound ({FORM})"
     measured(what, f"{ratio:.3f}")
     assert ratio <= SCENARIOS[place]
+
+
+FIRST_SECONDS = {0.5: 2.51, 5.0: 1.86}
+"""Published ratios of LG-LaCAM, with 400 robots on 785 of 32 x 32 cells, by seconds."""
+
+
+@pytest.mark.parametrize("seconds", FIRST_SECONDS)
+def test_plans_of_crowds_in_the_first_seconds(seconds: float, measured) -> None:
+    ratios = []
+    for seed in range(16):
+        problem = drawn_problem(random_layout(34, 34, 0.2334, seed), 400, seed)
+        with suppress(PlanError):  # no plan was found in time
+            ratios.append(solve_anytime(problem, seconds, seed).sum_of_costs / problem.lower_bound)
+    cells, mean = len(problem.graph.layout.open_cells), np.mean(ratios)
+    measured(
+        f"400 robots on {cells} cells, {seconds:g} s, ratio of costs to the lower bound ({FORM})",
+        f"{len(ratios)} of 16 solved, mean {mean:.2f}, worst {max(ratios):.2f}; LG-LaCAM "
+        f"{FIRST_SECONDS[seconds]}",
+    )
+    assert len(ratios) > 12
+    assert mean <= 1.2 * FIRST_SECONDS[seconds]
 
 
 TURNING = {50: 1.08, 200: 1.42, 400: 4.8}

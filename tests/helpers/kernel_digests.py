@@ -72,6 +72,9 @@ def once() -> Iterator[tuple[str, np.ndarray]]:
         problem = random_problem(random_layout(14, 14, 0.2, seed), 45, seed)
         plan = lacam(problem, HOUR, seed)
         yield f"lacam {seed}", plan.cells
+        guided = LaCAM(problem, seed, window=8)
+        guided.search(np.inf, goes_on=False)
+        yield f"guided {seed}", guided.plan().cells
         refinement = Refinement(problem, plan, seed)
         refinement.run(np.inf, 60)
         yield f"refinement {seed}", refinement.plan().cells

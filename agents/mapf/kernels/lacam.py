@@ -25,6 +25,7 @@ from agents.mapf.kernels.buffers import Buffer, Table, buffer, enlarged
 from agents.mapf.kernels.epibt import Epibt
 from agents.mapf.kernels.epibt import choose as choose_by_epibt
 from agents.mapf.kernels.lns import improve
+from agents.mapf.kernels.local_guidance import Guidance, guide
 from agents.mapf.kernels.pibt import CHOSEN, Pibt
 from agents.mapf.kernels.pibt import choose as choose_by_pibt
 from agents.mapf.kernels.places import ACTIONS, NONE, Places, measure
@@ -328,8 +329,8 @@ def reach_again(search: Search, robots: Robots, floor: Places, node: int, after:
 
 @kernel
 def explore(
-    search: Search, robots: Robots, pibt: Pibt, epibt: Epibt, floor: Places, fields: Table,
-    steps: Table, rounds: int,
+    search: Search, robots: Robots, pibt: Pibt, epibt: Epibt, guidance: Guidance, floor: Places,
+    fields: Table, steps: Table, rounds: int,
 ) -> int:  # fmt: skip
     """Continue the search for at most ``rounds`` rounds of PIBT or EPIBT.
 
@@ -362,6 +363,8 @@ def explore(
         if state == 0:
             continue
         if floor.closed == floor.size:
+            is_new = search.tried[node] == 1
+            guide(floor, robots, guidance, steps, search.rows, pibt.wishes, is_new)
             is_complete = choose_by_pibt(floor, robots, pibt, fields)
         else:
             is_complete = choose_by_epibt(robots, epibt, fields)

@@ -17,7 +17,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer
-from agents.mapf.kernels.places import ACTIONS, FAR, STAY, Places
+from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places
 from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, Robots, draw, mix
 from warehouse_core.compiled import kernel
 
@@ -47,6 +47,7 @@ class Pibt(NamedTuple):
         partner: robot that each robot swaps with, or ``NOBODY``.
         keys: ``[5]``, sort keys of the choices of one robot.
         is_final: ``[1]``, 1 if robots stay at their goals for good, 0 if they leave them again.
+        wishes: place next to each robot that it tries first unless it swaps, or ``NONE``.
     """
 
     pushers: Buffer
@@ -57,6 +58,7 @@ class Pibt(NamedTuple):
     partner: Buffer
     keys: Buffer
     is_final: Buffer
+    wishes: Buffer
 
 
 def pibt_of(size: int, robots: int, is_final: bool = False) -> Pibt:
@@ -64,7 +66,7 @@ def pibt_of(size: int, robots: int, is_final: bool = False) -> Pibt:
     return Pibt(
         pushers=buffer(robots, NOBODY), is_taken=buffer(size), choices=buffer(robots * ACTIONS),
         options=buffer(robots), tried=buffer(robots), partner=buffer(robots),
-        keys=buffer(ACTIONS), is_final=buffer(1, int(is_final)),
+        keys=buffer(ACTIONS), is_final=buffer(1, int(is_final)), wishes=buffer(robots, NONE),
     )  # fmt: skip
 
 
@@ -213,17 +215,27 @@ def swap_partner(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot
 
 @kernel
 def begin(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot: int) -> None:
-    """Start the choice of a robot. It tries its best place first, or its worst one to back off."""
+    """Start the choice of a robot.
+
+    It tries its best place or its wish first. To back off in a swap, it tries its worst place.
+    """
+    choices = pibt.choices
     sort_choices(floor, robots, pibt, fields, robot)
     pibt.tried[robot] = 0
     partner = swap_partner(floor, robots, pibt, fields, robot)
     pibt.partner[robot] = partner
     if partner != NOBODY:
         first, last = robot * ACTIONS, robot * ACTIONS + pibt.options[robot] - 1
-        choices = pibt.choices
         while first < last:
             choices[first], choices[last] = choices[last], choices[first]
             first, last = first + 1, last - 1
+    elif pibt.wishes[robot] != NONE:
+        at = first = robot * ACTIONS
+        while choices[at] != pibt.wishes[robot]:
+            at += 1
+        while at > first:
+            choices[at], at = choices[at - 1], at - 1
+        choices[first] = pibt.wishes[robot]
 
 
 @kernel

@@ -6,6 +6,7 @@ from math import inf
 import pytest
 from helpers.mapf_problems import problem_of, random_problem, random_problems
 from helpers.mapf_runs import check_solver
+from helpers.mapf_validator import plan_conflict
 
 from agents.errors import PlanError
 from agents.mapf import anytime as module
@@ -46,11 +47,22 @@ def test_a_plan_in_which_no_robot_is_late_is_not_replanned(headings) -> None:
     assert refinement.run(inf, trials=500) == 0
 
 
-def test_guidance_by_traffic_makes_the_first_plan_of_a_crowded_floor_cheaper() -> None:
+def test_guidance_makes_the_plan_of_a_crowded_floor_cheaper() -> None:
     problem = random_problem(random_layout(11, 11, 0.1, seed=3), 60, seed=3)
     first = lacam(problem, HOUR)
     assert first.sum_of_costs > module.CROWDED * problem.lower_bound
-    assert solve_anytime(problem, HOUR, trials=0).sum_of_costs < 0.9 * first.sum_of_costs
+    assert solve_anytime(problem, HOUR, trials=0).sum_of_costs < 0.8 * first.sum_of_costs
+
+
+def test_guidance_finds_a_plan_if_the_first_search_finds_none_in_its_share(monkeypatch) -> None:
+    monkeypatch.setattr(module, "FIRST_SHARE", 0.0)
+    problem = random_problem(random_layout(11, 11, 0.1, seed=3), 60, seed=3)
+    plan = solve_anytime(problem, HOUR, trials=0)
+    assert (
+        plan_conflict(problem.graph.layout.rows, problem.starts, problem.goals, plan.cells) is None
+    )
+    monkeypatch.setattr(module, "MAX_GUIDED", 0)
+    assert solve_anytime(problem, HOUR, trials=0).sum_of_costs > plan.sum_of_costs
 
 
 @pytest.mark.parametrize("solve", [lacam_star, solve_anytime])
