@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from io import BytesIO
 from itertools import product
+from math import ceil
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
@@ -132,7 +133,8 @@ def stuck_cells(
     return stuck
 
 
-MAX_COLORS, MAX_PANELS = 8, 6
+MAX_COLORS, MAX_PANELS, MAX_VALUES = 8, 6, 50
+"""Maximum numbers of colours, of panels, and of values along the axis, which are evenly chosen."""
 
 
 class ReportChart:
@@ -152,6 +154,9 @@ class ReportChart:
         self.axis, self.color, self.panel, pooled = roles_of(design)
         if pooled:
             self.left_out = f"; pooled over {listed([factor.name for factor in pooled])}"
+        if self.axis and (step := ceil(len(self.axis.values) / MAX_VALUES)) > 1:
+            self.left_out += f"; only one in {step} values of {self.axis.name} is drawn"
+            self.axis = self.axis._replace(values=self.axis.values[::step])
         roles = self.panel, self.color, self.axis
         found: dict[tuple[Value | None, ...], list[int]] = {}
         for case_id, labels in design.labels.items():

@@ -94,6 +94,14 @@ def test_a_case_that_does_not_depend_on_the_axis_is_a_horizontal_line() -> None:
     assert [text.get_text() for text in legend.get_texts()] == ["escape on", "escape off"]
 
 
+def test_of_many_values_along_the_axis_some_are_drawn() -> None:
+    cases = [({"battery": battery}, outcomes("d")) for battery in range(20, 140)]
+    with experiment_of(cases) as experiment:
+        chart = chart_of(experiment)
+    assert [*chart.lines[None, None]] == list(range(20, 140, 3))
+    assert chart.left_out == "; only one in 3 values of battery is drawn"
+
+
 def test_without_deliveries_or_differences_there_is_no_chart_of_a_measure() -> None:
     cases = [({"battery": battery}, outcomes("ww")) for battery in (1, 2)]
     with experiment_of(cases) as experiment:
