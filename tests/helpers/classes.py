@@ -125,7 +125,7 @@ def write_class(folder: Path, system: str) -> list[Entry]:
 
 
 def _written(folder: Path, system: str) -> Iterator[Entry]:
-    many = {f"data/{number}.txt": "" for number in range(40)}
+    many = {f".venv/{number}.py": "" for number in range(40)}
     codes = cycle(((GOOD, 10), (HALF, 5), (GOOD, 10), ("def double(x)", 0)))
     for number, name, (code, points) in zip(count(1), cycle(NAMES), codes, strict=False):
         files = FORMS[number % len(FORMS)](code)

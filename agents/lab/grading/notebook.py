@@ -14,21 +14,21 @@ from __future__ import annotations
 import ast
 import json
 import re
-from collections.abc import Iterator, Sequence
-from tokenize import COMMENT, ENDMARKER, INDENT, NEWLINE, NL, TokenError, generate_tokens
+from collections.abc import Iterator
 from types import ModuleType
 
 PYTHON = ("%%writefile", "%%file", "%%time", "%%capture")
 """Commands in the first line of a cell after which the other lines are Python."""
 
-COMMAND = re.compile(r"\s*([%!?].*|[^\s#'\"]+\?\??\s*)")
-"""Statements that are commands of the notebook, such as ``!pip install x`` and ``math.pi?``."""
+COMMANDS = (
+    (re.compile(r"(\s*)%time\s+(\S.*)"), r"\1\2"),
+    (re.compile(r"([\w\s.,*\[\]]+=\s*)[!%].*"), r"\1None"),
+    (re.compile(r"(\s*)([%!?].*|[^\s#'\"]+\?\??\s*)"), r"\1pass"),
+)
+"""Lines that are commands of the notebook, with the Python that runs instead.
 
-ASSIGNED = re.compile(r"([\w\s.,*\[\]]+=\s*)[!%].*")
-"""Assignments of the output of a command, such as ``files = !ls``."""
-
-TIMED = re.compile(r"(\s*)%time\s+(?=\S)")
-"""Command before a statement that runs."""
+They are ``%time`` before a statement; assignments of an output, such as ``files = !ls``; and all
+others, such as ``!pip install x`` and ``math.pi?``."""
 
 BINDING = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Assign, ast.AnnAssign, ast.AugAssign,
            ast.Import, ast.ImportFrom)  # fmt: skip
@@ -51,44 +51,28 @@ def cells_of(data: bytes) -> Iterator[tuple[int, str]]:
         is_command = first.startswith("%%")
         is_python = first.split(" ")[0] in PYTHON and (".py" in first or "file" not in first)
         if kind == "code" and (is_python or not is_command):
-            yield number, "\n".join(_python_in(source.split("\n")))
+            yield number, source
 
 
-def _python_in(lines: Sequence[str]) -> Iterator[str]:
-    """Yield the lines of a cell, in which commands of the notebook do nothing.
+def parse_cell(source: str, name: str) -> ast.Module:
+    """Return the syntax tree of a cell, in which commands of the notebook do nothing.
 
-    As in IPython, only a statement can be a command, not a line within a statement or a string.
+    Only a line that is wrong in Python can be a command, not one within a statement or a string.
     """
-    first = 0
-    while first < len(lines):
-        line = TIMED.sub(r"\1", lines[first])
-        command = COMMAND.fullmatch(line)
-        assigned = ASSIGNED.fullmatch(line)
-        last = first
-        if assigned or command:
-            while lines[last].endswith("\\") and last + 1 < len(lines):
-                last += 1
-            done = f"{assigned[1]}None" if assigned else re.sub(r"\S.*", "pass", line)
-            yield from [done, *[""] * (last - first)]
-        else:
-            last += _length(line, lines, first) - 1
-            yield from [line, *lines[first + 1 : last + 1]]
-        first = last + 1
-
-
-def _length(line: str, lines: Sequence[str], first: int) -> int:
-    """Return the number of lines of the statement that begins with a line; 1 if it is not one."""
-    after = (lines[number] for number in range(first + 1, len(lines)))
-    following = (f"{each}\n" for part in ([line], after) for each in part)
-    is_begun = False
-    try:
-        for token in generate_tokens(following.__next__):
-            if token.type in (NEWLINE, ENDMARKER) or (token.type == NL and not is_begun):
-                return token.start[0]
-            is_begun = is_begun or token.type not in (COMMENT, INDENT, NL)
-    except (TokenError, SyntaxError):
-        pass
-    return 1
+    lines = source.split("\n")
+    while True:
+        try:
+            return ast.parse("\n".join(lines), name)
+        except SyntaxError as error:
+            place = min(error.lineno or 1, len(lines)) - 1
+            line = lines[place]
+            found = next((each for each in COMMANDS if each[0].fullmatch(line)), None)
+            if found is None:
+                raise
+            lines[place] = found[0].sub(found[1], line)
+            while line.endswith("\\") and place + 1 < len(lines):  # it continues
+                place += 1
+                line, lines[place] = lines[place], ""
 
 
 def trees_of(data: bytes, file: str) -> dict[str, ast.Module]:
@@ -96,7 +80,7 @@ def trees_of(data: bytes, file: str) -> dict[str, ast.Module]:
     trees = {}
     for number, source in cells_of(data):
         name = f"{file}, cell {number}"
-        trees[name] = ast.parse(source, name)
+        trees[name] = parse_cell(source, name)
     needed = _needed([each for tree in trees.values() for each in tree.body])
     for tree in trees.values():
         tree.body = [each for each in tree.body if each in needed]

@@ -13,8 +13,6 @@ from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from warehouse_core.files.reading import open_file
-
 MOODLE = re.compile(r"(?P<name>.+)_(?P<number>\d+)_assignsubmission_[a-z]+_?(?P<file>.*)")
 """Names of parts from Moodle, such as ``Full Name_123_assignsubmission_file_``."""
 
@@ -32,16 +30,10 @@ AGAIN = re.compile(r"-\d+(?=\.\w+$)")
 """Number that Canvas adds to the name of a file that is handed in again."""
 
 PHANTOM = re.compile(
-    r"(\.|__|~\$).*|(eh)?thumbs\.db|desktop\.ini|icon\r|submission_metadata\.yml|index\.html|"
-    r".*\.(lnk|crdownload|part)"
+    r"(\.|__|~\$).*|(eh)?thumbs\.db|desktop\.ini|icon\r|submission_metadata\.yml|"
+    r".*\.(lnk|crdownload|part|csv|html|json)"
 )
-"""Names, in lower case, that systems, platforms and this program give to files of their own."""
-
-TABLE_HEADS = (b"submission", b"identifier", b"student")
-"""First columns of tables: grades and late days, and the tables of Moodle and Canvas."""
-
-MAX_HEAD = 512
-"""Number of bytes in which the first column of a table ends."""
+"""Names, in lower case, of files of systems and platforms, and of tables, pages and results."""
 
 
 class Student(NamedTuple):
@@ -71,14 +63,13 @@ def students_in(folder: Path, other: Collection[Path] = ()) -> tuple[list[Studen
     """
     ours, place = {path.resolve() for path in other}, folder.resolve()
     paths = [path for path in sorted(folder.iterdir()) if place / path.name not in ours]
-    names = {path.name for path in paths}
     parts: dict[tuple[str, ...], list[tuple[Path, str, str]]] = {}
     phantoms = []
     for path in paths:
-        if _is_phantom(path, names):
+        owner, given, time = _part(path)
+        if len(owner) == 1 and _is_phantom(path):
             phantoms.append(path.name)
         else:
-            owner, given, time = _part(path)
             parts.setdefault(owner, []).append((path, given, time))
     canvas = [owner for owner in parts if owner[0] == CANVAS.pattern]
     if len(canvas) == 1 and not _has_agent(given for _, given, _ in parts[canvas[0]]):
@@ -112,28 +103,11 @@ def _part(path: Path) -> tuple[tuple[str, ...], str, str]:
     return (path.name,), path.name, ""
 
 
-def _is_phantom(path: Path, names: Collection[str]) -> bool:
-    """Return whether a system or this program has written an entry."""
-    name = path.name.casefold()
-    if PHANTOM.fullmatch(name) or (path.suffix in (".html", ".json") and path.stem in names):
-        return True
-    if path.is_symlink():
-        return False
-    if path.is_dir():  # the pages of a class
-        inner = [each.name for each in path.iterdir()] if (path / "index.html").exists() else []
-        return bool(inner) and all(each.endswith((".html", ".json")) for each in inner)
-    return name.endswith(".csv") and path.is_file() and _is_our_table(path)
-
-
-def _is_our_table(path: Path) -> bool:
-    try:
-        with open_file(path) as file:
-            head = file.read(MAX_HEAD)
-    except OSError:
-        return False
-    # UTF-16 has zeros between letters.
-    words = re.split(rb"[,;\t]", head.replace(b"\0", b"").lower(), maxsplit=1)
-    return len(words) == 2 and re.sub(rb"[^a-z]", b"", words[0]) in TABLE_HEADS
+def _is_phantom(path: Path) -> bool:
+    """Return whether a system or this program has written an entry, such as pages of a class."""
+    inner = list(path.iterdir()) if path.is_dir() and (path / "index.html").exists() else []
+    are_pages = bool(inner) and all(each.suffix in (".html", ".json") for each in inner)
+    return are_pages or PHANTOM.fullmatch(path.name.casefold()) is not None
 
 
 def key_of(name: str) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-import stat
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import islice
@@ -42,10 +41,10 @@ IMPORTED_ONCE = (
 """Modules that are imported once for each submission instead of in each of its processes."""
 
 IMPORT = re.compile(
-    rb"^[ \t]*\"?(?:from[ \t]+([\w.]+)[ \t]+import[ \t]*\(?([\w \t,\n]*)|import[ \t]+([\w \t,.]+))",
+    rb"^[ \t]*\"?(?:from|import)[ \t]+([\w.]+)(?:[ \t]+import[ \t]*\(?([\w \t,\n]*))?",
     re.MULTILINE,
 )
-"""An import statement with its modules and names, found without parsing the source.
+"""An import statement with its first module and names, found without parsing the source.
 
 In a notebook the statement is in quotes."""
 
@@ -55,11 +54,8 @@ MAX_SOURCE = 1024 * 1024
 ARCHIVE = ".zip"
 SUFFIXES = (CODE, NOTEBOOK, ARCHIVE)
 
-MAX_FOUND = 100_000
-"""Limit on the files of a folder that are considered for a submission."""
-
-LIBRARY = re.compile(r"\.|__(?!init__\.py$)|(node_modules|site-packages|venv|env)$")
-"""Beginnings of names of files and folders that students do not write."""
+LIBRARY = re.compile(r"\..*|__.*|node_modules|site-packages|venv")
+"""Names of folders that students do not write, whose files are not part of a submission."""
 
 PREFERRED = "agent"
 """Name, without suffix, of the file that has the agent if a submission has several files."""
@@ -82,7 +78,6 @@ class Submission(NamedTuple):
         archive: archive that ``private`` unpacks, or ``None``.
         files: files that ``private`` copies, each with its place in the copy.
         entries: names of all entries of the folder that the student has handed in.
-        note: remark for graders, or "".
 
     Example:
         >>> from agents.lab.grading.submissions import find_submission
@@ -102,7 +97,6 @@ class Submission(NamedTuple):
     archive: Path | None = None
     files: tuple[tuple[Path, PurePath], ...] = ()
     entries: tuple[str, ...] = ()
-    note: str = ""
 
     @property
     def paths(self) -> list[str]:
@@ -267,10 +261,8 @@ def submission_of(student: Student, kind: str | None) -> Submission:
     folder = None
     if len(parts) > 1 or base.is_dir():
         folder = base if len(parts) == 1 else base.parent
-    few = dict(sorted(found.items(), key=_priority)[:MAX_FILES])
-    note = "" if len(few) == len(found) else f"only {MAX_FILES:,} of its files were used"
-    submission = _of_files(name, shown, chosen, kind, few, folder)
-    return submission._replace(entries=student.entries, note=note)
+    submission = _of_files(name, shown, chosen, kind, found, folder)
+    return submission._replace(entries=student.entries)
 
 
 def _add(found: dict[PurePath, Path], files: Mapping[PurePath, Path]) -> None:
@@ -287,20 +279,23 @@ def _kind_of(path: PurePath) -> str:
     return path.suffix.lower()
 
 
-def files_in(folder: Path, most: int = MAX_FOUND) -> list[Path]:
-    """Return the files in a folder and its subfolders, at most ``most``.
+def files_in(folder: Path) -> list[Path]:
+    """Return the files in a folder and its subfolders except for ``LIBRARY``.
 
-    Links are not followed. They and all other entries that are not folders count as files.
+    There is at most one file too many. Links are not followed. They and all other entries that are
+    not folders count as files.
     """
-    walk = (Path(place, name) for place, _, names in os.walk(folder) for name in names)
-    return list(islice(walk, most))
+    return list(islice(_files_in(folder), MAX_FILES + 1))
 
 
-def _priority(item: tuple[PurePath, Path]) -> tuple[bool, bool, int, PurePath]:
-    """Return a key by which a student's own files come first, code and upper folders before."""
-    place, _ = item
-    is_library = any(map(LIBRARY.match, place.parts))
-    return is_library, place.suffix not in (CODE, NOTEBOOK), len(place.parts), place
+def _files_in(folder: Path) -> Iterator[Path]:
+    for place, inner, names in os.walk(folder):
+        inner[:] = [each for each in inner if not LIBRARY.fullmatch(each)]
+        yield from (Path(place, name) for name in names)
+
+
+def _is_too_large(files: Collection[Path]) -> bool:
+    return len(files) > MAX_FILES or sum(each.lstat().st_size for each in files) > MAX_BYTES
 
 
 def _check_kind(path: Path) -> None:
@@ -366,16 +361,16 @@ def _of_files(
         kind: name of the class, or ``None``.
         files: files of the submission by their places in the private copy.
         folder: folder from which the agent may import, or ``None``.
-        nearby: further files that the agent may import.
+        nearby: all that the agent may import, or () for the files.
     """
-    path, found = files[inner], {file: file.lstat() for file in files.values()}
-    if sum(status.st_size for status in found.values()) > MAX_BYTES:
+    path = files[inner]
+    if _is_too_large(files.values()):
         raise AgentError(f"it has more than {MAX_FILES:,} files or {MAX_BYTES // 1024**2:,} MiB")
-    regular = (file for file, status in found.items() if stat.S_ISREG(status.st_mode))
+    regular = (file for file in files.values() if file.is_file() and not file.is_symlink())
     digest = digest_of(regular, folder or path.parent, _content_digest)
     with path.open("rb") as source:
         text = source.read(MAX_SOURCE)
-    once = _imported_once(text, () if folder is None else [*files, *nearby])
+    once = _imported_once(text, nearby or (() if folder is None else files))
     own = tuple((file, place) for place, file in files.items())
     return Submission(name, str(shown), path, inner.stem, kind, folder, digest, once, files=own)
 
@@ -383,10 +378,10 @@ def _of_files(
 def _of_file(name: str, file: Path, kind: str | None) -> Submission:
     """Return the submission in a file that may import and read what lies next to it."""
     folder, place = file.resolve().parent, place_of(PurePath(file.name))
-    near, placed = files_in(folder, MAX_FILES + 1), {place: folder / file.name}
-    nearby = [*(each.relative_to(folder) for each in near), *map(PurePath, os.listdir(folder))]
+    near, placed = files_in(folder), {place: folder / file.name}
+    nearby = map(PurePath, os.listdir(folder))
     submission = _of_files(name, file, place, kind, placed, folder, nearby)
-    if len(near) > MAX_FILES or sum(each.lstat().st_size for each in near) > MAX_BYTES:
+    if _is_too_large(near):
         return submission._replace(files=())
     _add(placed, {each.relative_to(folder): each for each in near if each != submission.file})
     return submission._replace(files=tuple((each, place) for place, each in placed.items()))
@@ -397,20 +392,13 @@ def _imported_once(text: bytes, files: Iterable[PurePath]) -> tuple[str, ...]:
 
     The source is not parsed, which might need much memory.
     """
-    own = {PurePath(part).stem for each in files for part in each.parts}
-    return tuple(sorted({
-        module for module in _imports_in(text)
-        if (top := module.partition(".")[0]) in IMPORTED_ONCE and top not in own
-    }))  # fmt: skip
-
-
-def _imports_in(text: bytes) -> Iterator[str]:
-    for module, names, modules in IMPORT.findall(text):
-        if module:
-            yield module.decode()
-            yield from (f"{module.decode()}.{each.decode()}" for each in re.findall(rb"\w+", names))
-        else:
-            yield from (each.split()[0].decode() for each in modules.split(b",") if each.split())
+    own, found = {PurePath(part).stem for each in files for part in each.parts}, set[str]()
+    for module, names in IMPORT.findall(text):
+        top = module.decode().partition(".")[0]
+        if top in IMPORTED_ONCE and top not in own:
+            inner = re.findall(rb"\w+", names)
+            found |= {module.decode(), *(f"{module.decode()}.{each.decode()}" for each in inner)}
+    return tuple(sorted(found))
 
 
 def _built_in(name: str) -> Submission:

@@ -120,9 +120,6 @@ def grade_folder(
         say(f"{done}; run the same command again to resume")
         raise
     _print_grades(rows, rubric)
-    for each in found:
-        if isinstance(each, Submission) and each.note:
-            say(f"{each.name}: {each.note}")
     if phantoms := students_in(folder, ours)[1]:
         say(f"not submissions: {printable(', '.join(phantoms))}")
     if pages is not None:

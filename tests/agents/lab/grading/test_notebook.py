@@ -8,7 +8,7 @@ import pytest
 from helpers.submissions import notebook_of
 from IPython.core.inputtransformer2 import TransformerManager
 
-from agents.lab.grading.notebook import cells_of, load
+from agents.lab.grading.notebook import cells_of, load, parse_cell
 
 CELLS = (
     "import no_such_module\nimport math\n%matplotlib inline\n!pip install x\nmath.pi?",
@@ -62,10 +62,8 @@ class Robot:
 
 def test_commands_are_found_where_ipython_finds_them(tmp_path: Path) -> None:
     """A remainder in a second line, a string and a comment are no commands."""
-    [(_, source)] = cells_of(notebook_of(MIXED).encode())
-    ours, theirs = (
-        ast.parse(text).body for text in (source, TransformerManager().transform_cell(MIXED))
-    )
+    ours = parse_cell(MIXED, "a cell").body
+    theirs = ast.parse(TransformerManager().transform_cell(MIXED)).body
     assert len(ours) == 10
     for our, their in zip(ours, theirs, strict=True):
         is_command = "get_ipython" in ast.dump(their)

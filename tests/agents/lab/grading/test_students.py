@@ -53,7 +53,6 @@ def test_each_student_of_a_class_has_one_row_with_the_right_points(
         assert row["points"] != "0" or row["failure"]
     out = capsys.readouterr().out
     assert "not submissions: .DS_Store, Thumbs.db, __MACOSX, c.csv" in out
-    assert "only 30 of its files were used" in out
     grade_folder(folder, None, rubric, table, None, None, 1, late)
     assert "saved" in capsys.readouterr().out
 
@@ -103,19 +102,14 @@ def test_a_folder_that_only_looks_like_one_from_canvas_has_a_student_for_each_fi
     assert list(found_in(tmp_path)) == ["lab_3_3_agent.py"]
 
 
-def test_our_own_files_are_no_submissions_and_those_of_students_are(tmp_path: Path) -> None:
-    for name, text in {
-        "ann.py": "", "ann.py.html": "", "ann.py.json": "", "bob.html": "", "data.csv": "a,b\n",
-        "sweep/index.html": "", "sweep/agent.py": "", "pages/index.html": "", "pages/x.html": "",
-    }.items():  # fmt: skip
-        entry(tmp_path, name, text)
-    (tmp_path / "wide.csv").write_bytes("submission\tpoints\n".encode("utf-16"))
-    (tmp_path / "link.csv").symlink_to("wide.csv")
+def test_tables_and_pages_are_no_submissions_and_all_else_is(tmp_path: Path) -> None:
+    for name in ("ann.py", "ann.py.html", "ann.py.json", "data.CSV", "bob.txt", "sweep/index.html",
+                 "sweep/agent.py", "pages/index.html", "pages/x.html"):  # fmt: skip
+        entry(tmp_path, name)
+    (tmp_path / "link").symlink_to("ann.py")
     students, phantoms = students_in(tmp_path)
-    assert phantoms == ["ann.py.html", "ann.py.json", "pages", "wide.csv"]
-    assert [each.entries for each in students] == [
-        ("ann.py",), ("bob.html",), ("data.csv",), ("link.csv",), ("sweep",),
-    ]  # fmt: skip
+    assert phantoms == ["ann.py.html", "ann.py.json", "data.CSV", "pages"]
+    assert [each.entries for each in students] == [("ann.py",), ("bob.txt",), ("link",), ("sweep",)]
 
 
 def test_names_are_compared_without_case_and_in_any_form_of_unicode(tmp_path: Path) -> None:
@@ -156,17 +150,18 @@ def test_all_files_of_a_student_are_in_one_copy_under_their_own_names(tmp_path: 
     assert texts == {"agent.py": "1", "zo\u00eb.py": "2", "data.txt": "3"}
 
 
-def test_code_comes_first_if_a_submission_has_too_many_files(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("agents.lab.grading.submissions.MAX_FILES", 4)
-    for name in ("agent.py", "own/__init__.py", "own/deep/x.py", "a.txt", "b.txt", "venv/lib/y.py",
-                 ".git/z.py"):  # fmt: skip
+def test_libraries_are_not_part_of_a_submission(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("agents.lab.grading.submissions.MAX_FILES", 3)
+    names = ("agent.py", "own/__init__.py", "own/x.txt")
+    for name in (*names, "venv/lib/y.py", ".git/z.py", "own/__pycache__/a.pyc"):
         entry(tmp_path / "all" / "ann", name)
     [submission] = in_folder(tmp_path / "all", None)
     assert isinstance(submission, Submission)
-    assert [place.as_posix() for _, place in submission.files] == [
-        "agent.py", "own/__init__.py", "own/deep/x.py", "a.txt",
-    ]  # fmt: skip
-    assert submission.note == "only 4 of its files were used"
+    assert {place.as_posix() for _, place in submission.files} == {*names}
+    entry(tmp_path / "all" / "ann", "more.txt")
+    [unusable] = in_folder(tmp_path / "all", None)
+    assert isinstance(unusable, Unusable)
+    assert unusable.reason == "it has more than 3 files or 256 MiB"
 
 
 @pytest.mark.parametrize("form", FORMS)
