@@ -96,12 +96,12 @@ class Shown:
         page.on("request", lambda request: self.requests.append(request.url))
         page.add_init_script(LISTENING)
 
-    def open(self, file: Path, fragment: str = "") -> "Shown":
+    def open(self, file: Path) -> "Shown":
         """Load a file, and wait until the page shows it.
 
         Chromium drops keys until it first paints a page, which may be late on a busy machine.
         """
-        self.page.goto(file.as_uri() + fragment)
+        self.page.goto(file.as_uri())
         wait_until(self.page, "globalThis.player !== undefined && isPainted")
         return self
 

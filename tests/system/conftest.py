@@ -72,8 +72,8 @@ def opened(browser: Any) -> Iterator[Callable[..., Shown]]:
     """Return a function that opens a file in a page of its own, which is checked at the end."""
     with ExitStack() as stack:
 
-        def open_file(file: Path, fragment: str = "", **options: Any) -> Shown:
-            return stack.enter_context(shown(browser, **options)).open(file, fragment)
+        def open_file(file: Path, **options: Any) -> Shown:
+            return stack.enter_context(shown(browser, **options)).open(file)
 
         yield open_file
 

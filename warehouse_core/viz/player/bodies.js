@@ -2,7 +2,6 @@
 
 import LOOK from "../../render/tiles.json" with { type: "json" };
 import { LARGE_TEXT } from "./canvas.js";
-import { LATE, waitingByPickup } from "./orders.js";
 
 const { radius: RADIUS, rim: RIM, letter: LETTER, name: NAME } = LOOK.robot;
 const MIN_RADIUS = 2;
@@ -22,8 +21,8 @@ const { few: FEW, low: LOW_SHARE, top: BAR_TOP, height: BAR_HEIGHT } = LOOK.batt
 const { side: SIDE, place: PLACE, line: LINE, tape: TAPE } = LOOK.item;
 const MIN_SIDE = 4;
 
-/** Draw the robots and people. `chosen` and `hovered` are numbers of robots, or `null`. */
-export function drawRobots(brush, track, moment, chosen, hovered) {
+/** Draw the robots and people. `chosen` is the number of a robot, or `null`. */
+export function drawRobots(brush, track, moment, chosen) {
   const size = nameSize(brush, track);
   const radius = Math.max(RADIUS * brush.scale, MIN_RADIUS, size && radiusAround(brush, track, size));
   const pixels = radius / RADIUS;
@@ -42,13 +41,10 @@ export function drawRobots(brush, track, moment, chosen, hovered) {
   }
   if (size && (track.robots > 1 || !isBody)) drawNames(brush, shown, track, size);
   const mine = shown.find((item) => item.body === chosen);
-  if (mine) drawRing(brush, mine, radius);
-  if (size || !track.isFleet) return;
-  for (const { body, x, y } of shown) {
-    if (body !== chosen && body !== hovered) continue;
-    const bottom = y - 2 * radius - 4 * brush.theme.density;
-    brush.label("dark", "light", String(body), x, bottom, brush.minText);
-  }
+  if (!mine) return;
+  drawRing(brush, mine, radius);
+  const bottom = mine.y - 2 * radius - 4 * brush.theme.density;
+  if (!size) brush.label("dark", "light", String(chosen), mine.x, bottom, brush.minText);
 }
 
 /** Return the position, colour, heading and load of each visible body. */
@@ -246,30 +242,27 @@ export function drawThings({ context, view, scale, theme }, { lines, frames }, {
 export function drawItems(brush, track, moment) {
   const side = Math.max(MIN_SIDE, SIDE * brush.scale);
   const size = Math.max(0.7 * side, brush.minText);
-  for (const [cell, { count, age }] of itemsOn(track, moment)) {
+  for (const { cell, count, age } of track.waitingAt(moment.step) ?? lyingItems(track, moment)) {
     const [row, column] = track.rowAndColumn(cell);
     const [x, y] = [brush.view.x(column + PLACE), brush.view.y(row + PLACE)];
     drawBox(brush, x, y, side, brush.theme.orders[age]);
     brush.centerText(size);
     if (count < 2 || Math.max(brush.widthOf(String(count)), size) > side) continue;
-    brush.write(age === LATE ? "light" : "dark", String(count), x, y + 0.06 * size);
+    brush.write(age === LOOK.ages.length - 1 ? "light" : "dark", String(count), x, y + 0.06 * size);
   }
 }
 
-/** Return the number and the greatest age of the items that lie on the floor, by their cells. */
-function itemsOn(track, moment) {
-  if (track.fleet?.orders) return waitingByPickup(track.fleet.orders, moment.step);
-  return track.robots === 1 ? itemCells(track, moment).map((cell) => [cell, { count: 1, age: 0 }]) : [];
-}
-
-/** Return the cells where the item of a single robot waits or has been dropped. */
-function itemCells(track, moment) {
-  if (track.load[moment.frame] !== 0) return [];
+/** Return the items of a single robot: where they wait, or where the last one has been dropped. */
+function lyingItems(track, moment) {
+  if (track.robots !== 1 || track.load[moment.frame] !== 0) return [];
+  const tiles = [...track.tiles[track.tileAt[moment.frame]]];
+  let cells = tiles.flatMap((tile, cell) => (tile === "P" ? [cell] : []));
   for (let frame = moment.frame; frame > 0; frame--) {
-    if (track.isLoaded(0, frame - 1)) return [track.cell(0, frame)];
+    if (!track.isLoaded(0, frame - 1)) continue;
+    cells = [track.cell(0, frame)];
+    break;
   }
-  const tiles = track.tiles[track.tileAt[moment.frame]];
-  return [...tiles].flatMap((tile, cell) => (tile === "P" ? [cell] : []));
+  return cells.map((cell) => ({ cell, count: 1, age: 0 }));
 }
 
 /** Draw an item, a box with a strip of tape, around its centre. */

@@ -1,13 +1,10 @@
-// The part of the page about a fleet: the chosen robot, where robots were held up, and waiting orders.
+// The part of the page about a fleet: the chosen robot, and where robots were held up.
 
 import { kept } from "./canvas.js";
-import { copy, element, partOf, setText } from "./elements.js";
+import { copy, partOf, setText } from "./elements.js";
 import { heatOf, highestOf, mapOf } from "./floor.js";
-import { AGES, ageOf, historyOf, isTaken, orderOf, waitingAt } from "./orders.js";
 import { shown, stepsOf } from "./scale.js";
 import { heldUpUntil } from "./track.js";
-
-const MAX_ROWS = 8;
 
 export class FleetPanel {
   /** Args: the `Track` of a fleet, and the `Player` of the page. */
@@ -20,16 +17,9 @@ export class FleetPanel {
     this.element.ariaLabel = `Fleet: ${track.title}`;
     this.number.max = track.robots - 1;
     this.number.addEventListener("input", () => player.choose(Number.parseInt(this.number.value, 10)));
-    this.find("heat").addEventListener("change", (event) => {
-      player.hasHeat = event.target.checked; // on all floors
-      for (const fleet of player.fleets) fleet.find("heat").checked = player.hasHeat;
-      player.draw();
-    });
     this.map = this.find("map");
     Object.assign(this.map, { width: track.width, height: track.height });
     this.find("heat-map").hidden = !track.fleet.heldUp.step.length;
-    this.orders = this.find("orders");
-    this.orders.hidden = !track.fleet.orders;
   }
 
   /** Show everything about a moment, if the step or the robot has changed. */
@@ -37,10 +27,7 @@ export class FleetPanel {
     const moment = this.track.at(time);
     const { chosen: robot, theme } = this.player;
     kept(this, "map", `${moment.step} ${theme.key}`, () => this.drawMap(moment, theme));
-    kept(this, "words", `${moment.frame} ${robot}`, () => {
-      this.sayRobot(robot, moment);
-      if (this.track.fleet.orders) this.sayOrders(moment.step);
-    });
+    kept(this, "words", `${moment.frame} ${robot}`, () => this.sayRobot(robot, moment));
   }
 
   /** Draw a map of where robots were held up so far, one pixel per cell, and name the worst cell. */
@@ -72,7 +59,6 @@ export class FleetPanel {
     setText(this.find("battery"), level > 0 ? `${shown(100 * level, 0)}%` : "empty");
     setText(this.find("where"), `row ${Math.floor(pose.y)}, column ${Math.floor(pose.x)}`);
     setText(this.find("order"), this.orderWords(robot, moment));
-    setText(this.find("history"), this.historyWords(robot, moment.step));
   }
 
   orderWords(robot, { frame, step }) {
@@ -89,36 +75,27 @@ export class FleetPanel {
     return `${order}, ${words} ${this.cellWords(goals[order])}, ${time}`;
   }
 
-  historyWords(robot, step) {
-    const { track } = this;
-    if (!track.fleet.orders) return "";
-    const { orders } = track.fleet;
-    const lines = historyOf(orders, robot, step).map(({ step: at, what, order }) => {
-      const late = what === "delivered" ? at - orders.due[order] : 0;
-      return `step ${at}: ${what} order ${order}${late > 0 ? `, ${stepsOf(late)} late` : ""}`;
-    });
-    return lines.join("\n") || "nothing yet";
-  }
-
-  sayOrders(step) {
-    const { orders } = this.track.fleet;
-    const waiting = waitingAt(orders, step);
-    setText(partOf(this.orders, "waiting"), `${waiting.length} waiting (times in steps)`);
-    const rows = waiting.slice(0, MAX_ROWS).map((order) => {
-      const due = orders.due[order] - step;
-      const cells = [
-        String(order),
-        this.cellWords(orders.pickup[order]),
-        String(step - orders.released[order]),
-        due >= 0 ? `in ${due}` : `${-due} late`,
-        AGES[ageOf(orders, order, step)],
-      ];
-      return element("tr", {}, ...cells.map((text) => element("td", {}, text)));
-    });
-    partOf(this.orders, "rows").replaceChildren(...rows);
-  }
-
   cellWords(cell) {
     return `(${this.track.rowAndColumn(cell).join(", ")})`;
   }
+}
+
+/** Return whether an order has been picked up after a step. */
+function isTaken(orders, order, step) {
+  return isPast(orders.taken[order], step);
+}
+
+/** Return whether something that happens at step `at`, or never if it is -1, has happened after a step. */
+function isPast(at, step) {
+  return at >= 0 && at <= step;
+}
+
+/** Return the order that a robot carries or is assigned to after a step, or -1. */
+export function orderOf({ orders, assigned }, robot, step) {
+  const carried = Array.from(orders.taken.keys()).find((order) =>
+    orders.takenBy[order] === robot && isTaken(orders, order, step) && !isPast(orders.delivered[order], step));
+  if (carried !== undefined) return carried;
+  const last = assigned.robot.findLastIndex((each, i) => each === robot && assigned.step[i] <= step);
+  const order = assigned.order[last] ?? -1;
+  return order < 0 || isTaken(orders, order, step) ? -1 : order;
 }

@@ -13,9 +13,6 @@ const MAX_LINED_COLUMNS = 40;
 const MIN_STATION = 6;
 const MIN_TEXTURE = 9;
 
-/** The opacity of counts on a floor, whose letters and lines must stay visible. */
-const HEAT_ON_FLOOR = 0.6;
-
 /** Draw the tiles of a floor. */
 export function drawFloor(brush, track, tiles) {
   const { width, height } = track;
@@ -194,15 +191,6 @@ export function drawEnds(brush, track) {
     brush.centerText((LOOK.end.letter / LOOK.end.radius) * radius);
     brush.write("dark", "SG"[i], x, y + 0.08 * radius);
   });
-}
-
-/** Draw how often robots were held up in each cell. */
-export function drawHeat({ context, view, theme }, track, moment) {
-  const [width, height] = [track.width * view.scale, track.height * view.scale];
-  context.imageSmoothingEnabled = false;
-  context.globalAlpha = HEAT_ON_FLOOR;
-  context.drawImage(heatOf(track, moment.step, theme), view.x(0), view.y(0), width, height);
-  context.globalAlpha = 1;
 }
 
 /** Return an image with one coloured pixel for each cell where robots were held up. */

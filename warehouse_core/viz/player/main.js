@@ -17,8 +17,6 @@ async function start() {
   const player = new Player(data, root);
   globalThis.player = player;
   connect(player);
-  readAddress(player);
-  addEventListener("hashchange", () => readAddress(player));
   new ResizeObserver(() => player.draw()).observe(root);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => player.draw());
   player.draw();
@@ -58,7 +56,6 @@ function connect(player) {
     larger: () => player.zoom(ZOOM),
     smaller: () => player.zoom(1 / ZOOM),
     fit: () => player.fit(),
-    full: () => fullScreen(player.root),
     help: () => find("helping").showModal(),
     slower: () => player.faster(-1),
     faster: () => player.faster(1),
@@ -83,14 +80,12 @@ function connect(player) {
     const words = [player.event, ...player.panels.map((panel) => panel.place)];
     // A screen reader reads changes aloud, which would be too much while the page plays.
     setText(find("status"), words.filter(Boolean).join(". "));
-    // A page that the reader has not touched plays again when it is reloaded.
-    if (!player.isOpening) writeAddress(player);
   });
 }
 
 const KEYS = {
   " ": "play", ArrowLeft: "back", ArrowRight: "forward", Home: "first", End: "last", n: "event",
-  v: "arrows", f: "full", "?": "help", "+": "larger", "=": "larger", "-": "smaller", 0: "fit", "<": "slower",
+  v: "arrows", "?": "help", "+": "larger", "=": "larger", "-": "smaller", 0: "fit", "<": "slower",
   ">": "faster", ",": "slower", ".": "faster",
 };
 
@@ -102,37 +97,12 @@ function listenToKeys(player, actions) {
     const { target, key } = event;
     if (event.ctrlKey || event.metaKey || event.altKey || player.find("helping").open) return;
     if (target.matches("input[type=number], select") && key !== "Escape") return;
-    if (target.matches("button, input[type=checkbox], summary") && key === " ") return;
+    if (target.matches("button") && key === " ") return;
     if (event.shiftKey && key in DIRECTIONS) player.pan(...DIRECTIONS[key]);
     else if (key in KEYS) actions[KEYS[key]]();
     else return;
     event.preventDefault();
   });
-}
-
-function fullScreen(element) {
-  if (document.fullscreenElement) document.exitFullscreen();
-  else element.requestFullscreen?.();
-}
-
-/** Go to the step and choose the robot in the address of the page, if there are any. */
-function readAddress(player) {
-  const words = new URLSearchParams(location.hash.slice(1));
-  const [step, robot] = ["step", "robot"].map((name) => Number.parseInt(words.get(name), 10));
-  if (step >= 0) player.goTo(step);
-  if (robot >= 0) player.choose(robot);
-}
-
-/** Write the step and the chosen robot into the address, so that a copied link opens here. */
-function writeAddress(player) {
-  const robot = player.chosen === null ? "" : `&robot=${player.chosen}`;
-  const hash = `#step=${player.step}${robot}`;
-  if (hash === location.hash) return;
-  try {
-    history.replaceState(null, "", hash);
-  } catch {
-    // A page within another page may have no address of its own.
-  }
 }
 
 start();

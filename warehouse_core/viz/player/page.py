@@ -26,7 +26,7 @@ from warehouse_core.wording import printable
 FOLDER = files("warehouse_core.viz.player")
 
 SCRIPTS = (
-    "scale.js", "track.js", "orders.js", "canvas.js", "elements.js", "floor.js", "bodies.js",
+    "scale.js", "track.js", "canvas.js", "elements.js", "floor.js", "bodies.js",
     "paths.js", "charts.js", "legend.js", "panel.js", "fleet.js", "player.js", "main.js",
 )  # fmt: skip
 """Files of the script. Each imports only earlier ones, so that they can be joined into one."""
@@ -91,12 +91,7 @@ def player_page(
 
 
 def save_page(
-    path: str | Path,
-    tracks: Sequence[Track],
-    *,
-    title: str = "",
-    speed: float = 1.0,
-    opens_at: float | None = None,
+    path: str | Path, tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
 ) -> None:
     """Write the page that ``player_page`` returns, either completely or not at all.
 
@@ -111,7 +106,7 @@ def save_page(
         >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
         >>> save_page("replay.html", [track_of_record(episode)])
     """
-    page = player_page(tracks, title=title, speed=speed, opens_at=opens_at)
+    page = player_page(tracks, title=title, speed=speed)
     with atomic_path(path) as part:
         part.write_text(page, encoding="utf-8")
 
@@ -121,7 +116,6 @@ def player_frame(
     *,
     title: str = "",
     speed: float = 1.0,
-    opens_at: float | None = None,
     height: int = FRAME_HEIGHT,
 ) -> str:
     """Return ``player_page`` as a frame for another page, ``height`` pixels high.
@@ -145,7 +139,7 @@ def player_frame(
         '<iframe'
     """
     height = whole_number("height", height, 1, MAX_FRAME_HEIGHT)
-    page = html.escape(player_page(tracks, title=title, speed=speed, opens_at=opens_at))
+    page = html.escape(player_page(tracks, title=title, speed=speed))
     name = html.escape(printable(title or "Replay"))
     return (
         f'<iframe srcdoc="{page}" sandbox="allow-scripts" allow="fullscreen" '

@@ -3,7 +3,7 @@
 import { drawArrows, drawGhost, drawHits, drawItems, drawRobots, drawThings } from "./bodies.js";
 import { Brush, kept } from "./canvas.js";
 import { copy, element, partOf, setText } from "./elements.js";
-import { drawEnds, drawFloor, drawHeat, drawLetters, drawMarks, drawSight, drawVisits } from "./floor.js";
+import { drawEnds, drawFloor, drawLetters, drawMarks, drawSight, drawVisits } from "./floor.js";
 import { seconds, shown } from "./scale.js";
 import { drawAhead, drawPlans, drawPushes, drawRoute, drawSkids, drawTrail } from "./paths.js";
 
@@ -66,7 +66,6 @@ export class Panel {
     const watched = chosen ?? (track.robots === 1 && track.bodies > 0 ? 0 : null);
     if (track.marks) drawMarks(brush, track, moment);
     if (watched !== null) drawVisits(brush, track, watched, moment);
-    if (player.hasHeat && track.fleet) drawHeat(brush, track, moment);
     if (watched !== null && !track.isFleet) drawSight(brush, track, watched, moment);
     drawRoute(brush, track, moment);
     if (track.fleet) drawPlans(brush, track, moment);
@@ -79,7 +78,7 @@ export class Panel {
     drawGhost(brush, track, moment);
     if (track.fleet) drawItems(brush, track, moment);
     if (player.hasArrows) drawArrows(brush, track, moment);
-    drawRobots(brush, track, moment, chosen, this.pointer ? this.robotAt(...this.pointer, moment) : null);
+    drawRobots(brush, track, moment, chosen);
     if (!track.fleet) drawItems(brush, track, moment);
     if (track.fleet) drawPushes(brush, track, moment);
     drawHits(brush, track, moment);
@@ -130,7 +129,6 @@ export class Panel {
     });
     this.canvas.addEventListener("pointermove", (event) => {
       const [before, now] = [pointers.get(event.pointerId), at(event)];
-      this.point(now);
       if (!before) return;
       const other = [...pointers].find(([id]) => id !== event.pointerId)?.[1];
       if (other) this.view.zoomBy(distance(now, other) / Math.max(distance(before, other), 1), ...other);
@@ -143,7 +141,6 @@ export class Panel {
       const isTap = pointers.size === 1 && moved < TAP * this.player.density;
       if (pointers.delete(event.pointerId) && isTap && event.type === "pointerup") this.tap(...at(event));
     };
-    this.canvas.addEventListener("pointerleave", () => this.point(null));
     this.canvas.addEventListener("pointerup", end);
     this.canvas.addEventListener("pointercancel", end);
     this.canvas.addEventListener(
@@ -156,13 +153,6 @@ export class Panel {
       },
       { passive: false },
     );
-  }
-
-  /** Show the number of the robot of a fleet under the pointer, if it is not always shown. */
-  point(pointer) {
-    if (!this.track.isFleet) return;
-    this.pointer = pointer;
-    if (!this.player.isPlaying) this.player.draw();
   }
 
   /** Choose the robot of a fleet at a point, or no robot. */

@@ -27,7 +27,7 @@ const MAX_COLUMNS = 3;
 const MAX_NAME = 16;
 const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
-const WORDS = { hit: "collision", pick: "item picked up", drop: "item delivered", stuck: "stuck" };
+const WORDS = { hit: "collision", pick: "item picked up", drop: "item delivered" };
 
 /** Return the words in which titles differ, or letters if these words are too long. */
 export function shortNames(titles) {
@@ -60,7 +60,6 @@ export class Player {
     /** True until the reader does something. Until then the page plays by itself, once. */
     this.isOpening = true;
     this.chosen = null;
-    this.hasHeat = false;
     /** Whether bodies have arrows for their velocities and the forces of their motors. */
     this.hasArrows = true;
     this.isReduced = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -93,7 +92,6 @@ export class Player {
     const fleets = this.tracks.filter((track) => track.isFleet && track.robots > 1);
     this.fleets = fleets.map((track) => new FleetPanel(track, this));
     this.find("charts").before(...this.fleets.map((fleet) => fleet.element));
-    this.find("charts").after(...this.fleets.map((fleet) => fleet.orders));
   }
 
   find(name) {
@@ -183,7 +181,7 @@ export class Player {
     this.goTo(step);
   }
 
-  /** Pause at the next hit, pickup, drop or stuck robot; if a robot is chosen, only at its events. */
+  /** Pause at the next hit, pickup or drop; if a robot is chosen, only at its events. */
   goToEvent() {
     const found = this.tracks.flatMap((track) => {
       const bodies = this.chosen === null ? [...Array(track.robots).keys()] : [this.chosen];

@@ -8,9 +8,6 @@ const TURN = 120;
 
 const NO_HEADING = 127;
 
-/** The number of steps at which a robot is in the same cell with the same load that make it stuck. */
-const STUCK_VISITS = 3;
-
 /** Return the bytes of a compressed block that is given as base64. */
 export async function unpack(text) {
   const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -190,6 +187,14 @@ export class Track {
     });
   }
 
+  /** Return the orders that wait at pickups after a step, or nothing if the track has no orders. */
+  waitingAt(step) {
+    const waiting = this.fleet?.waiting;
+    if (!waiting?.step.length) return null;
+    const { cell, number, age } = waiting;
+    return entriesIn(waiting.step, step).map((i) => ({ cell: cell[i], count: number[i], age: age[i] }));
+  }
+
   /** Return the pairs of robots in a frame of which the first pushes the second. */
   pushesIn(frame) {
     const { pushes } = this.fleet;
@@ -197,14 +202,13 @@ export class Track {
   }
 }
 
-/** Return the names of the events of a robot in a frame: "hit", "pick", "drop" or "stuck". */
+/** Return the names of the events of a robot in a frame: "hit", "pick" or "drop". */
 export function eventsOf(track, body, frame) {
   const found = [];
   const [before, now] = [track.isLoaded(body, frame - 1), track.isLoaded(body, frame)];
   if (!before && now) found.push("pick");
   if (before && !now) found.push("drop");
   if (track.isHit(body, frame)) found.push("hit");
-  if (stuckFrames(track, body).has(frame)) found.push("stuck");
   return found;
 }
 
@@ -217,32 +221,6 @@ export function nextEvent(track, frame, bodies) {
     }
   }
   return null;
-}
-
-/** Return the frames in which a robot has entered a cell too often since its last pickup or drop. */
-export function stuckFrames(track, body) {
-  track.stuck ??= new Map();
-  if (!track.stuck.has(body)) track.stuck.set(body, new Set(findStuck(track, body)));
-  return track.stuck.get(body);
-}
-
-function* findStuck(track, body) {
-  let visits = new Map();
-  let isStuck = false;
-  let [lastCell, lastLoad] = [-1, 0];
-  for (const frame of track.stepFrames) {
-    const load = track.isLoaded(body, frame);
-    if (load !== lastLoad) visits = new Map();
-    const cell = track.cell(body, frame);
-    const count = (visits.get(cell) ?? 0) + 1;
-    visits.set(cell, count);
-    if (count === 1) isStuck = false;
-    if (count >= STUCK_VISITS && !isStuck && (cell !== lastCell || track.robots === 1)) {
-      isStuck = true;
-      yield frame;
-    }
-    [lastCell, lastLoad] = [cell, load];
-  }
 }
 
 /** Return a map from cells to the number of visits of a body up to a frame. */

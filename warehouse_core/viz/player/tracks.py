@@ -304,12 +304,18 @@ def _fleet(track: Track, robots: int, columns: Columns) -> dict[str, Any]:
                 paths += [_number(cell, width) for cell in path]
                 plans.append((index, robot, is_wish, len(paths)))
         pushes += [(index, robot, pusher) for robot, pusher in fleet.plans.pushers.items()]
+    waiting = [
+        (step, int(y) * width + int(x), number, age)
+        for step, frame in enumerate(track.ends)
+        for (x, y), number, age in fleets[frame].waiting
+    ]
     held_up = [(step, _number(cell, width)) for step, cell in track.held_up]
     return {
         "battery": columns.whole(battery.T, is_delta=True, unit=MILLI),
         "plans": columns.table("frame robot isWish end", plans),
         "paths": columns.whole(paths, is_delta=True),
         "pushes": columns.table("frame robot pusher", pushes),
+        "waiting": columns.table("step cell number age", waiting),
         "heldUp": columns.table("step cell", held_up),
         **({} if track.orders is None else _orders(track, track.orders, width, columns)),
     }
@@ -318,13 +324,13 @@ def _fleet(track: Track, robots: int, columns: Columns) -> dict[str, Any]:
 def _orders(track: Track, orders: Sequence[Order], width: int, columns: Columns) -> dict[str, Any]:
     rows = [
         (
-            order.released, order.due, order.taken, order.taken_by, order.delivered,
+            order.due, order.taken, order.taken_by, order.delivered,
             _number(order.pickup, width), _number(order.dropoff, width),
         )
         for order in orders
     ]  # fmt: skip
     return {
-        "orders": columns.table("released due taken takenBy delivered pickup dropoff", rows),
+        "orders": columns.table("due taken takenBy delivered pickup dropoff", rows),
         "assigned": columns.table("step robot order", track.assignments),
     }
 

@@ -91,7 +91,7 @@ def check_frame(found: dict[str, Any], frame: Frame, index: int, unit: float) ->
 def check_fleet(found: dict[str, Any], frame: Frame, width: int) -> None:
     """Compare what the page knows of orders and batteries with the frame."""
     assert frame.fleet is not None
-    waiting = {place: (each["count"], each["age"]) for place, each in found["waiting"]}
+    waiting = {each["cell"]: (each["count"], each["age"]) for each in found["waiting"]}
     assert waiting == {
         int(each.at[1]) * width + int(each.at[0]): (each.number, each.age)
         for each in frame.fleet.waiting

@@ -3,7 +3,6 @@
 
 import { readFileSync } from "node:fs";
 
-import { waitingByPickup } from "../../../../warehouse_core/viz/player/orders.js";
 import { decode, Track, unpack } from "../../../../warehouse_core/viz/player/track.js";
 
 function framesOf(packed) {
@@ -11,7 +10,6 @@ function framesOf(packed) {
   return Array.from(track.time, (time, frame) => {
     const moment = track.at(time);
     const bodies = Array.from({ length: track.bodies }, (_, body) => track.pose(body, moment));
-    const orders = track.fleet?.orders;
     return {
       frame: moment.frame,
       step: track.stepAt(time),
@@ -19,7 +17,7 @@ function framesOf(packed) {
       tiles: track.tiles[track.tileAt[frame]],
       bodies,
       hits: track.hitsIn(frame),
-      waiting: orders ? [...waitingByPickup(orders, track.progress[frame])] : [],
+      waiting: track.waitingAt(moment.step) ?? [],
       battery: bodies.slice(0, track.robots).map((_, body) => track.fleet?.battery[body * track.frames + frame]),
     };
   });

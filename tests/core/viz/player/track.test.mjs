@@ -7,7 +7,6 @@ import {
   indexAt,
   marksUntil,
   nextEvent,
-  stuckFrames,
   visitsUntil,
 } from "../../../../warehouse_core/viz/player/track.js";
 import { along, hitsOf, trackOf } from "./some_tracks.mjs";
@@ -142,20 +141,13 @@ test("a robot that starts with an item has picked nothing, whatever the one befo
   assert.equal(nextEvent(track, 0, [0, 1]), null);
 });
 
-test("a robot is stuck on its third visit of a cell, once, and not after a pick", () => {
-  const track = trackOf([along([0, 1, 0, 1, 0, 1, 0])]);
-  assert.deepEqual([...stuckFrames(track, 0)], [4]);
-  const poses = along([0, 1, 0, 1, 0]);
-  poses.forEach((pose, frame) => {
-    pose[2] = frame >= 2 ? 1 : 0;
-  });
-  assert.deepEqual([...stuckFrames(trackOf([poses]), 0)], []);
-});
-
-test("a robot of a fleet that waits is not stuck, and one that goes round in circles is", () => {
-  const track = trackOf([along([3, 3, 3, 3, 3, 3]), along([0, 1, 0, 1, 0, 1])]);
-  assert.deepEqual([...stuckFrames(track, 0)], []);
-  assert.deepEqual([...stuckFrames(track, 1)], [4]);
+test("orders wait after the steps that say so, and a track without any has none", () => {
+  const waiting = { step: [0, 2, 2], cell: [5, 5, 7], number: [1, 2, 1], age: [0, 1, 3] };
+  const track = trackOf([along([0, 1, 2])], { fleet: { waiting } });
+  assert.deepEqual(track.waitingAt(2), [{ cell: 5, count: 2, age: 1 }, { cell: 7, count: 1, age: 3 }]);
+  assert.deepEqual(track.waitingAt(1), []);
+  assert.equal(trackOf([along([0])]).waitingAt(0), null);
+  assert.equal(trackOf([along([0])], { fleet: { waiting: { step: [] } } }).waitingAt(0), null);
 });
 
 test("visits and held-up robots are the same after going back as from the start", () => {
