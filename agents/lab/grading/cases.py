@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import isclose
@@ -27,7 +26,7 @@ from warehouse_core import (
     WarehouseEnv,
     random_layout,
 )
-from warehouse_core.records.episode import DELIVERED, Action, Episode
+from warehouse_core.records.episode import DELIVERED, Episode
 from warehouse_core.records.failure_modes import diagnose, fewest_steps
 from warehouse_core.wording import counted
 from warehouse_core.world.actions import DROP, INVALID, PICK, action_index
@@ -58,8 +57,7 @@ class Run(NamedTuple):
         where: step or call of the failure, in words; "" if the agent was not loaded.
         slowest: seconds of the slowest answer.
         agent: name of the class or function; "" if it was not loaded.
-        actions: actions of the episode; () if it was not run, and for a call.
-        reward: sum of the rewards.
+        episode: record of the episode; ``None`` if it has no steps or was not run, and for a call.
     """
 
     case: Case
@@ -75,8 +73,8 @@ class Run(NamedTuple):
     where: str = ""
     slowest: float = 0.0
     agent: str = ""
-    actions: tuple[Action, ...] = ()
     reward: float = 0.0
+    episode: Episode | None = None
 
     @property
     def outcome(self) -> str:
@@ -162,22 +160,16 @@ class GradedCase:
         """Return the source of pickup and dropoff in a layout of the case."""
         return self.stations or default_stations(layout, is_default=layout is DEFAULT_LAYOUT)
 
-    def begin_in(
-        self, layout: Layout, stations: Stations, seed: int
+    def begin(
+        self, seed: int, layout: Layout | None = None, stations: Stations | None = None
     ) -> tuple[WarehouseEnv, Observation]:
-        """Return the environment of an episode in a given layout, and the first observation."""
+        """Return the environment of an episode, in a given layout if any, and its observation."""
+        layout = layout or self.layout_of(seed)
         limits = self.max_steps, self.battery, self.view_radius
         backend = SlippingGrid(self.slip) if self.slip else "grid"
         env = WarehouseEnv(layout, self.start, *limits, backend=backend)
-        return env, env.reset(what_to_draw(stations, self.start), seed)
-
-    @contextmanager
-    def begin(self, seed: int) -> Iterator[tuple[WarehouseEnv, Observation]]:
-        """Yield the environment of an episode, and the first observation."""
-        layout = self.layout_of(seed)
-        env, observation = self.begin_in(layout, self.stations_of(layout), seed)
-        with closing(env):
-            yield env, observation
+        drawn = what_to_draw(stations or self.stations_of(layout), self.start)
+        return env, env.reset(drawn, seed)
 
     def run(self, runner: Runner, seed: int) -> Run:
         """Run one episode.
@@ -186,46 +178,35 @@ class GradedCase:
         the agent receives the number of the episode instead, because it could derive the layout
         from the seed.
         """
-        failure = None
-        with self.begin(seed) as (env, observation):
-            recorder, needed = EpisodeRecorder(env, seed=seed), _needed_steps(env)
-            try:
-                with runner.episode() as agent:
-                    agent.start(seed if self.visible else seed - self.first_seed)
-                    while not recorder.ended:
-                        observation = recorder.step(agent.act(observation))
-            except AgentFailureError as error:
-                failure = error
+        failure, (env, observation) = None, self.begin(seed)
+        recorder, needed = EpisodeRecorder(env, seed=seed), _needed_steps(env)
+        try:
+            with runner.episode() as agent:
+                agent.start(seed if self.visible else seed - self.first_seed)
+                while not recorder.ended:
+                    observation = recorder.step(agent.act(observation))
+        except AgentFailureError as error:
+            failure = error
         episode = recorder.episode
         diagnosis, counts = diagnose(episode), count_useless(episode)
         return Run(
             self, seed, needed, episode.outcome == DELIVERED, episode.steps,
             sum(counts.values()), counts[INVALID], diagnosis.mode, diagnosis.sentence, failure,
             where=f" at step {episode.steps + 1}" if agent.name else "",
-            slowest=agent.slowest, agent=agent.name, actions=tuple(episode.actions),
-            reward=episode.total_reward,
+            slowest=agent.slowest, agent=agent.name, reward=episode.total_reward,
+            episode=episode if episode.steps else None,
         )  # fmt: skip
 
     def needed_steps(self, seed: int) -> int | None:
         """Return the fewest steps of a delivery in an episode; ``None`` if no path exists."""
-        with self.begin(seed) as (env, _):
-            return _needed_steps(env)
+        return _needed_steps(self.begin(seed)[0])
 
     @lru_cache(maxsize=100_000)  # noqa: B019 (cases live as long as their rubric)
     def greedy_steps(self, seed: int) -> int:
         """Return the steps of the greedy agent in an episode; it may use all steps of the limit."""
-        with self.begin(seed) as (env, _):
-            recorder = EpisodeRecorder(env, seed=seed)
-            recorder.run(GreedyAgent(seed))
+        recorder = EpisodeRecorder(self.begin(seed)[0], seed=seed)
+        recorder.run(GreedyAgent(seed))
         return recorder.episode.steps
-
-    def episode(self, run: Run) -> Episode:
-        """Return the record of an episode, by carrying out its actions again without the agent."""
-        with self.begin(run.seed) as (env, _):
-            recorder = EpisodeRecorder(env, seed=run.seed)
-            for action in run.actions:
-                recorder.step(action)
-        return recorder.episode
 
     def command(self, agent: str, seed: int) -> str:
         """Return the command that runs an episode again."""
@@ -343,7 +324,7 @@ def run_cases(
                 run = case.run(runner, seed)
             else:
                 needed = case.needed_steps(seed)
-                run = runs[-1]._replace(case=case, seed=seed, needed=needed, actions=())
+                run = runs[-1]._replace(case=case, seed=seed, needed=needed, episode=None)
             is_hopeless = run.failure is not None and run.failure.kind != FAILS
             hopeless = hopeless + 1 if is_hopeless else 0
             runs.append(run)

@@ -8,7 +8,7 @@ other name counts as the login of the student.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from statistics import mean, median
 
@@ -65,7 +65,7 @@ def load_grades(path: Path, columns: Collection[str] = ()) -> dict[str, GradeRow
 
     Args:
         path: file of the table.
-        columns: columns whose names may differ in case.
+        columns: columns whose names may differ in case, and whose numbers are rewritten.
 
     Raises:
         GradeError: the file is not a table of grades, and must not be overwritten.
@@ -74,23 +74,16 @@ def load_grades(path: Path, columns: Collection[str] = ()) -> dict[str, GradeRow
     if not path.exists():
         return {}
     needed = NAME, POINTS, MOST, FAILURE, CODE, RUBRIC
+    numbers = {POINTS, MOST, *columns} - {*TEXTS}
+
+    def made(row: GradeRow) -> GradeRow:
+        return row | {name: f"{number_in(row, name):g}" for name in numbers & row.keys()}
+
     try:
-        rows = [*read_table(path, needed, MAX_BYTES, _with_numbers, NAME, columns)]
+        rows = [*read_table(path, needed, MAX_BYTES, made, NAME, columns)]
     except ValueError as error:
         raise GradeError(f"{path}: not a table of grades: {error}; use another name") from None
     return {row[NAME]: row for row in rows}
-
-
-def _with_numbers(row: GradeRow) -> GradeRow:
-    """Return a row with numbers as this program writes them, without other numbers."""
-    found = {name: text for name, text in row.items() if name in TEXTS}
-    for name in row.keys() - found.keys():
-        try:
-            found[name] = f"{number_in(row, name):g}"
-        except ValueError:
-            if name == POINTS:
-                raise
-    return {name: found[name] for name in row if name in found}
 
 
 def load_days(path: Path) -> dict[str, int]:
@@ -101,57 +94,17 @@ def load_days(path: Path) -> dict[str, int]:
             submission twice, or a number of days is not a whole number from 0 to ``MAX_DAYS``.
         OSError: the file is longer than ``MAX_BYTES``, or cannot be read.
     """
+
+    def made(row: GradeRow) -> tuple[str, int]:
+        return row[NAME], whole_in(row, DAYS, 0, MAX_DAYS)
+
     try:
-        return dict(read_table(path, (NAME, DAYS), MAX_BYTES, _days_in, NAME))
+        return dict(read_table(path, (NAME, DAYS), MAX_BYTES, made, NAME))
     except ValueError as error:
         raise GradeError(f"{path}: not a table of late submissions: {error}") from None
 
 
-def _days_in(row: GradeRow) -> tuple[str, int]:
-    return row[NAME], whole_in(row, DAYS, 0, MAX_DAYS)
-
-
-class GradeTable:
-    """A file with a table of grades, to which no other program may write meanwhile.
-
-    Args:
-        path: file, which need not exist; see ``load_grades``.
-        columns: columns of the table.
-
-    Attributes:
-        before: rows that the file had, by the names of the submissions.
-    """
-
-    def __init__(self, path: Path, columns: list[str]) -> None:
-        self._path, self._columns = path, columns
-        self._state = _state_of(path)
-        self.before = load_grades(path, columns)
-
-    def save(self, rows: Mapping[str, GradeRow]) -> None:
-        """Write rows in the order of their names; after an error the old file is unchanged.
-
-        Raises:
-            GradeError: the file is not as this object has read or written it.
-        """
-        if _state_of(self._path) != self._state:
-            raise GradeError(
-                f"{self._path}: another program has written or removed it meanwhile; run the same "
-                "command again when no other one uses the file"
-            )
-        save_grades(self._path, self._columns, rows)
-        self._state = _state_of(self._path)
-
-
-def _state_of(path: Path) -> tuple[int, int, int] | None:
-    """Return what differs after a change of a file, or ``None`` if there is no file."""
-    try:
-        status = path.stat()
-    except FileNotFoundError:
-        return None
-    return status.st_dev, status.st_ino, status.st_mtime_ns
-
-
-def save_grades(path: Path, columns: list[str], rows: Mapping[str, GradeRow]) -> None:
+def save_grades(path: Path, columns: Sequence[str], rows: Mapping[str, GradeRow]) -> None:
     """Write the table in the order of the names; after an error the old file is unchanged."""
     lines = ([rows[name].get(column, "") for column in columns] for name in sorted(rows))
     write_table(path, columns, lines)
@@ -201,10 +154,9 @@ def summary_of(rows: Collection[GradeRow], rubric: Rubric) -> list[str]:
     for criterion in rubric.criteria:
         given = [float(row[criterion.name]) for row in rows]
         lacking = sum(each < criterion.points for each in given)
-        if lacking:
-            missed.append((lacking, -mean(given) / criterion.points, criterion.name))
-    if missed:
-        lacking, share, name = max(missed, key=lambda each: each[:2])
+        missed.append((lacking, -mean(given) / (criterion.points or 1), criterion.name))
+    lacking, share, name = max(missed, key=lambda each: each[:2])
+    if lacking:
         sentences.append(
             f"most often missed: {name!r} ({lacking} of {len(rows)} submissions lack points; "
             f"{percent(-share)} of the points on average)"

@@ -19,6 +19,10 @@ from warehouse_core.wording import counted, printable
 __all__ = ["Grade", "GradeReport", "grade"]
 
 
+REPLAY = "replay"
+"""Label of the command that replays the worst episode."""
+
+
 class Grade(NamedTuple):
     """Points for a criterion, with the evidence in words.
 
@@ -55,7 +59,7 @@ class Grade(NamedTuple):
     def lines(self) -> list[tuple[str, str]]:
         """Requirement, result, worst episode and command to replay it, each with its label."""
         lines = (("required", self.criterion.asked), ("result", self.seen), ("worst", self.worst),
-                 ("replay", self.command))  # fmt: skip
+                 (REPLAY, self.command))  # fmt: skip
         return [(name, text) for name, text in lines if text]
 
 
@@ -117,7 +121,7 @@ class GradeReport(NamedTuple):
     @property
     def worst(self) -> Grade | None:
         """Grade with the most missing points among those whose worst episode can be shown."""
-        shown = [each for each in self.grades if each.run is not None and each.run.actions]
+        shown = [each for each in self.grades if each.run and each.run.episode]
         return max(shown, key=lambda each: each.criterion.points - each.points, default=None)
 
     def shown(self) -> GradeReport:

@@ -95,7 +95,7 @@ class Session:
         layout, seed = Layout(start["rows"]), start["seed"]
         self._agent = make_agent(str(self._file), seed, layout)
         case = load_rubric(own_rubrics()[start["exercise"]]).first_case or GradedCase("own")
-        env, self._observation = case.begin_in(layout, Stations(start["stations"]), seed)
+        env, self._observation = case.begin(seed, layout, Stations(start["stations"]))
         self._agent.reset()
         self._recorder = EpisodeRecorder(env, seed=seed, agent=self._file.name)
 

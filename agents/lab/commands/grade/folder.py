@@ -14,7 +14,6 @@ from urllib.parse import quote
 from agents.errors import AgentError, GradeError, WorkerError
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
-from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.grades import (
     CODE,
     FAILURE,
@@ -24,14 +23,15 @@ from agents.lab.grading.grades import (
     POINTS,
     RUBRIC,
     GradeRow,
-    GradeTable,
     columns_of,
     failed_row,
+    load_grades,
     row_of,
+    save_grades,
     summary_of,
 )
 from agents.lab.grading.gradescope import results_of
-from agents.lab.grading.grading import Grade, GradeReport, grade
+from agents.lab.grading.grading import REPLAY, Grade, GradeReport, grade
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.sandbox import LOAD, most_jobs
 from agents.lab.grading.students import finder_of, students_in
@@ -64,7 +64,7 @@ def grade_folder(
 ) -> dict[str, GradeRow]:
     """Grade the submissions in a folder that have changed, and return the table of grades.
 
-    The table is written after each submission, unless another program has changed it meanwhile.
+    The table is written after each submission.
 
     Args:
         folder: folder of the submissions.
@@ -87,20 +87,21 @@ def grade_folder(
     ours = [target, *rubric.files, rubric.starter, *([pages] if pages else []), *other]
     found = list(in_folder(folder, kind, ours))
     days_of = _days_of(folder, found, late or {})
-    table, rows = GradeTable(target, columns_of(rubric)), dict[str, GradeRow]()
-    find, waiting = finder_of(table.before), list[Submission]()
+    columns, rows, waiting = columns_of(rubric), dict[str, GradeRow](), list[Submission]()
+    before = load_grades(target, columns)
+    find = finder_of(before)
     for each in found:
-        row = table.before.get(find(printable(each.name)) or "")
+        row = before.get(find(printable(each.name)) or "")
         if isinstance(each, Unusable):
             rows[each.name] = failed_row(each.name, each.reason, rubric, late=days_of[each.name])
         elif _is_done(each, row, rubric, days_of[each.name]) and (
             pages is None or all(path.exists() for path in _files_of(pages, each))
         ):
             assert row is not None
-            rows[each.name] = row | {NAME: printable(each.name)}
+            rows[each.name] = {name: row[name] for name in columns} | {NAME: printable(each.name)}
         else:
             waiting.append(each)
-    table.save(rows)
+    save_grades(target, columns, rows)
     try:
         with (
             Processes(max(min(count, len(waiting)), 1), watchdog) as pool,
@@ -113,7 +114,7 @@ def grade_folder(
             for number, future in enumerate(as_completed(futures), 1):
                 each = futures[future]
                 rows[each.name] = _row(future, each, rubric, days_of[each.name])
-                table.save(rows)
+                save_grades(target, columns, rows)
                 advance(number, each.name)
     except KeyboardInterrupt:
         done = f"{len(rows)} of {counted(len(found), 'submission')} are in {target}"
@@ -235,18 +236,17 @@ def _write_page(path: Path, report: GradeReport) -> None:
     from warehouse_core.viz.tracks.record_track import track_of_record
 
     def section(grade: Grade) -> Section:
-        command = grade.command and Markup("<code>{}</code>").format(printable(grade.command))
-        rows = {
-            "required": grade.criterion.asked, "result": grade.seen, "worst": grade.worst,
-            "replay": command,
-        }  # fmt: skip
+        code = Markup("<code>{}</code>")
+        rows = [
+            (name, code.format(printable(text)) if name == REPLAY else text)
+            for name, text in grade.lines
+        ]
         title = f"{grade.criterion.name}: {grade.points:g} of {grade.criterion.points:g}"
-        return Section(title, [TextTable((), [row for row in rows.items() if row[1]])])
+        return Section(title, [TextTable((), rows)])
 
     sections = [section(each) for each in report.grades]
-    if (worst := report.worst) is not None and worst.run is not None:
-        assert isinstance(worst.run.case, GradedCase), "a call has no actions"
-        track = track_of_record(worst.run.case.episode(worst.run))
+    if (worst := report.worst) and worst.run and worst.run.episode:
+        track = track_of_record(worst.run.episode)
         player = player_frame([track], title=f"Replay of the worst episode: {worst.worst}")
         note = f"{worst.criterion.name}: {worst.worst}"
         sections.append(Section("The worst episode", [Markup(player)], note))

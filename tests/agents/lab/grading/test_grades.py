@@ -11,7 +11,6 @@ from agents.errors import GradeError
 from agents.lab.grading.grades import (
     MAX_BYTES,
     POINTS,
-    GradeTable,
     failed_row,
     load_days,
     load_grades,
@@ -37,26 +36,6 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert load_grades(path) == {}
     save_grades(path, COLUMNS, rows)
     assert load_grades(path) == rows
-
-
-def grades_of(name: str) -> dict[str, dict[str, str]]:
-    row = dict(zip(COLUMNS, (name, "27", "30", "10", "", "c", "r"), strict=True))
-    return {name: row}
-
-
-def test_of_two_programs_with_the_same_table_one_is_told_and_no_row_is_lost(tmp_path: Path) -> None:
-    path = tmp_path / "grades.csv"
-    first, second = GradeTable(path, COLUMNS), GradeTable(path, COLUMNS)
-    assert first.before == {}
-    for name in ("ann", "bob"):
-        first.save(grades_of(name))
-    with pytest.raises(GradeError, match=r"grades\.csv: another program has written or removed it"):
-        second.save(grades_of("eve"))
-    assert load_grades(path) == GradeTable(path, COLUMNS).before == grades_of("bob")
-    path.unlink()
-    with pytest.raises(GradeError, match="another program has written or removed it"):
-        first.save(grades_of("ann"))
-    assert not path.exists()
 
 
 @pytest.mark.parametrize(

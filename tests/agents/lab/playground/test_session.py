@@ -71,12 +71,12 @@ def test_an_episode_of_an_exercise_is_as_the_exercise_has_it(name: str, page: Pa
     case = load_rubric(own_rubrics()[name]).first_case
     assert case is not None
     for seed, each in enumerate(summaries, 1):
-        with case.begin(seed) as (env, observation):
-            agent, is_over = make_agent(str(page.file), seed, env.layout), False
-            agent.reset()
-            while not is_over:
-                observation, _, terminated, truncated, _ = env.step(agent.act(observation))
-                is_over = terminated or truncated
+        env, observation = case.begin(seed)
+        agent, is_over = make_agent(str(page.file), seed, env.layout), False
+        agent.reset()
+        while not is_over:
+            observation, _, terminated, truncated, _ = env.step(agent.act(observation))
+            is_over = terminated or truncated
         assert f" in {env.state.steps} steps" in each
 
 
