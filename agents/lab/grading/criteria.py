@@ -54,11 +54,9 @@ class GradedMeasure(NamedTuple):
     is_secret: bool = False
     unit: str = EPISODE
 
-    def is_better(self, value: float, other: float, *, or_equal: bool = False) -> bool:
+    def is_better(self, value: float, other: float) -> bool:
         """Return whether a number is better than another."""
-        if value == other:
-            return or_equal
-        return (value > other) is self.more_is_better
+        return value > other if self.more_is_better else value < other
 
     def counts(self, run: Run) -> bool:
         """Return whether an episode counts."""

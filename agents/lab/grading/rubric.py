@@ -8,10 +8,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -115,11 +113,16 @@ class Rubric:
         return [case for name, case in self.cases.items() if name in used]
 
     @property
+    def episodes(self) -> int:
+        """Number of episodes and calls with which a submission is graded."""
+        return sum(case.episodes for case in self.used_cases)
+
+    @property
     def most_seconds(self) -> float:
         """Time that grading a submission can take, if each process takes as long as it may."""
         limits = self.limits
         process = limits.start_seconds + limits.episode_seconds + 2 * ENDING_SECONDS
-        return IMPORT_SECONDS + process * sum(case.episodes for case in self.used_cases)
+        return IMPORT_SECONDS + process * self.episodes
 
 
 def list_of(
@@ -134,11 +137,6 @@ def list_of(
         return tuple(value)
 
     return check
-
-
-def is_module(name: Any) -> bool:
-    """Return whether a value can be the name of a module."""
-    return isinstance(name, str) and all(part.isidentifier() for part in name.split("."))
 
 
 def pair(minimum: int, example: str) -> CheckValue:
@@ -164,7 +162,10 @@ def calls(value: Any) -> tuple[Call, ...]:
 NAMES = list_of(
     'a list of names of [cases], as in ["chapter"]', lambda each: isinstance(each, str), least=1
 )
-MODULES = list_of('a list of names of modules, as in ["math", "numpy"]', is_module)
+MODULES = list_of(
+    'a list of names of modules, as in ["math", "numpy"]',
+    lambda each: isinstance(each, str) and all(map(str.isidentifier, each.split("."))),
+)
 SECONDS = Number(0.01, 3600)
 
 LIMITS: dict[str, CheckValue] = {
@@ -199,56 +200,19 @@ TOP: dict[str, CheckValue] = {"title": text}
 PARTS = ("limits", "late", "cases", "criteria")
 
 
-class _Reader:
-    """A reader of the tables of a rubric, whose errors name the file and the line."""
-
-    def __init__(self, path: Path, source: str) -> None:
-        self.path, self._lines = path, source.splitlines()
-
-    def fail(self, message: str, header: str = "", count: int = 1, key: str = "") -> GradeError:
-        """Return an error that names the line of a key.
-
-        Args:
-            message: message.
-            header: header of the table, such as ``"[limits]"``; "" for the top of the file.
-            count: number of the table among those with this header, from 1.
-            key: key in the table; "" names the line of the header.
-        """
-        top = re.compile(rf"\s*{re.escape(header)}\s*(#.*)?")
-        tops = [line for line, each in enumerate(self._lines, 1) if top.fullmatch(each)]
-        line = tops[count - 1] if header and len(tops) >= count else 0
-        inner = re.compile(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=.*")
-        rows = takewhile(lambda each: not each.lstrip().startswith("["), self._lines[line:])
-        places = (line + number for number, each in enumerate(rows, 1) if inner.fullmatch(each))
-        line = next(places, line) if key else line
-        where = f", line {line}" if line else ""
-        return GradeError(f"{self.path}{where}: {message}")
-
-    def table(
-        self, values: Any, checks: Mapping[str, CheckValue], header: str, count: int = 1
-    ) -> dict[str, Any]:
-        """Return the values of a table after checking each of them."""
-        if not isinstance(values, dict):
-            raise self.fail(f"{header} is {brief(values)}; it must be a table", header, count)
-        for key in values:
-            if key not in checks:
-                allowed = ", ".join(checks)
-                where = f" in {header}" if header else ""
-                message = f"there is no key {key!r}{where}; allowed: {allowed}"
-                raise self.fail(message, header, count, key)
-        found = {}
-        for key, value in values.items():
-            try:
-                found[key] = checks[key](value)
-            except ValueError as error:
-                message = f"{key} is {brief(value)}; allowed: {error}"
-                raise self.fail(message, header, count, key) from None
-        return found
-
-
-def exercise_names() -> list[str]:
-    """Return the names of all exercises, such as ``"exercise-07"``."""
-    return sorted(path.stem for path in EXERCISES.glob("*.toml"))
+def table_of(values: Any, checks: Mapping[str, CheckValue], where: str) -> dict[str, Any]:
+    """Return the values of a table after checking each of them; errors begin with ``where``."""
+    if not isinstance(values, dict):
+        raise GradeError(f"{where} is {brief(values)}; it must be a table")
+    found = {}
+    for key, value in values.items():
+        if key not in checks:
+            raise GradeError(f"{where}: there is no key {key!r}; allowed: {', '.join(checks)}")
+        try:
+            found[key] = checks[key](value)
+        except ValueError as error:
+            raise GradeError(f"{where}: {key} is {brief(value)}; allowed: {error}") from None
+    return found
 
 
 def own_rubrics() -> dict[str, Path]:
@@ -257,25 +221,24 @@ def own_rubrics() -> dict[str, Path]:
 
 
 def find_rubric(path: Path) -> Path:
-    """Return the file of a rubric: the path itself, or the file of the exercise with this name.
+    """Return the file of a rubric: that of the built-in one with this name, or the path itself.
 
     Raises:
-        GradeError: there is neither such a file nor such an exercise.
+        GradeError: there is neither such a file nor such a built-in rubric.
     """
-    names = exercise_names()
-    if str(path) in names:
-        return EXERCISES / f"{path}.toml"
-    if not path.suffix and not path.exists():
-        first, last = names[0], names[-1]
+    own = own_rubrics()
+    if not path.suffix and not path.exists() and str(path) not in own:
+        _, first, *_, last = own
         raise GradeError(f"there is no rubric {path}; allowed: a file, or {first} to {last}")
-    return path
+    return own.get(str(path), path)
 
 
 def load_rubric(path: Path) -> Rubric:
     """Read a rubric.
 
     Raises:
-        GradeError: the file is not a rubric; the message has the line, the key and what is allowed.
+        GradeError: the file is not a rubric; the message has the table, the key and what is
+            allowed.
         OSError: the file is longer than ``toml_text.MAX_BYTES``, or cannot be read.
 
     Example:
@@ -288,97 +251,85 @@ def load_rubric(path: Path) -> Rubric:
         values = parse_toml(data)
     except ValueError as error:
         raise GradeError(f"{path}: it is not TOML: {error}") from None
-    return _make_rubric(_Reader(path, data.decode("utf-8-sig")), values, hashlib.sha256(data))
+    return _make_rubric(path, values, hashlib.sha256(data))
 
 
-def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric:
+def _make_rubric(path: Path, values: dict[str, Any], digest: Any) -> Rubric:
     single = {key: value for key, value in values.items() if key not in PARTS}
-    top = reader.table(single, TOP | dict.fromkeys(PARTS, text), "")
-    limits = AgentLimits(**reader.table(values.get("limits", {}), LIMITS, "[limits]"))
-    late = LateRule(**reader.table(values.get("late", {}), LATE, "[late]"))
-    tables = values.get("cases")
+    top = table_of(single, TOP | dict.fromkeys(PARTS, text), str(path))
+    limits = AgentLimits(**table_of(values.get("limits", {}), LIMITS, f"{path}: [limits]"))
+    late = LateRule(**table_of(values.get("late", {}), LATE, f"{path}: [late]"))
+    tables, rows = values.get("cases"), values.get("criteria")
     if not isinstance(tables, dict) or not tables:
-        raise reader.fail("there are no [cases.NAME]; a rubric needs episodes")
-    cases = {name: _make_case(reader, name, each) for name, each in tables.items()}
-    for case in cases.values():
-        if isinstance(case, GradedCase):
-            _check_case(reader, case, digest)
-    rows = values.get("criteria")
+        raise GradeError(f"{path}: there are no [cases.NAME]; a rubric needs episodes")
+    cases = {name: _make_case(path, name, each, digest) for name, each in tables.items()}
     if not isinstance(rows, list) or not rows:
-        raise reader.fail("there are no [[criteria]]; a rubric needs at least one")
+        raise GradeError(f"{path}: there are no [[criteria]]; a rubric needs at least one")
     criteria: list[Criterion] = []
-    for count, row in enumerate(rows, 1):
-        criteria.append(_make_criterion(reader, row, count, cases, criteria))
-    title = top.get("title", reader.path.stem)
-    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path, late)
+    for number, row in enumerate(rows, 1):
+        criteria.append(_make_criterion(f"{path}: criterion {number}", row, cases, criteria))
+    title = top.get("title", path.stem)
+    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), path, late)
 
 
-def _make_case(reader: _Reader, name: str, values: Any) -> Case:
-    header = f"[cases.{name}]"
+def _make_case(path: Path, name: str, values: Any, digest: Any) -> Case:
+    """Return a case after checking that its first episode can begin; add its layout to a digest."""
+    where = f"{path}: [cases.{name}]"
     if isinstance(values, dict) and "function" in values:
-        found = reader.table(values, CALLED, header)
+        found = table_of(values, CALLED, where)
         if "calls" not in found:
-            raise reader.fail("function needs calls", header, key="function")
+            raise GradeError(f"{where}: function needs calls")
         return CallCase(name, **found)
-    found = reader.table(values, CASE, header)
+    found = table_of(values, CASE, where)
     if "layout" in found:
-        beside = reader.path.resolve().parent / found["layout"]
+        beside = path.resolve().parent / found["layout"]
         # Path.is_file raises an error for a name that is too long.
         if os.path.isfile(beside) or beside.suffix:
             found["layout"] = str(beside)
     for key in ("size", "density"):
         if key in found and found.get("layout") != RANDOM:
-            raise reader.fail(f'{key} needs layout = "{RANDOM}"', header, key=key)
-    return GradedCase(name, **found)
-
-
-def _check_case(reader: _Reader, case: GradedCase, digest: Any) -> None:
-    """Raise an error if an episode cannot begin; add the layout to the digest."""
+            raise GradeError(f'{where}: {key} needs layout = "{RANDOM}"')
+    case = GradedCase(name, **found)
     try:
         layout = case.layout_of(case.first_seed)
         check_stations(layout, case.stations_of(layout), case.layout, 'stations = "drawn"')
         case.begin(case.first_seed)
     except (LayoutError, OSError) as error:
-        raise reader.fail(f"layout: {error}", f"[cases.{case.name}]", key="layout") from None
+        raise GradeError(f"{where}: layout: {error}") from None
     digest.update("\n".join(layout.rows).encode())
+    return case
 
 
 def _make_criterion(
-    reader: _Reader,
-    values: Any,
-    count: int,
-    cases: Mapping[str, Case],
-    before: list[Criterion],
+    where: str, values: Any, cases: Mapping[str, Case], before: list[Criterion]
 ) -> Criterion:
-    header = "[[criteria]]"
-    found = reader.table(values, CRITERION, header, count)
-
-    def fail(message: str, key: str = "") -> GradeError:
-        return reader.fail(message, header, count, key)
-
+    found = table_of(values, CRITERION, where)
     for key in NEEDED:
         if key not in found:
-            raise fail(f"criterion {count} has no {key}; needed: {', '.join(NEEDED)}")
-    for name in found["cases"]:
-        if name not in cases:
-            raise fail(f"cases has {name!r}; allowed: {', '.join(cases)}", "cases")
-        kind, unit = found["measure"], cases[name].unit
-        if unit != MEASURES[kind].unit:
-            message = f"measure is {kind!r}, which does not judge {unit}s, as case {name!r} has"
-            raise fail(message, "measure")
-    earlier = [each.name for each in before]
-    if found["name"] in earlier:
-        raise fail(f"name is {found['name']!r}, which an earlier criterion has", "name")
+            raise GradeError(f"{where} has no {key}; needed: {', '.join(NEEDED)}")
+    name, kind, earlier = found["name"], found.pop("measure"), [each.name for each in before]
+    full, zero = found["full"], found.setdefault("zero", found["full"])
+    measure = MEASURES[kind]
+    for case in found["cases"]:
+        if case not in cases:
+            raise GradeError(f"{where}: cases has {case!r}; allowed: {', '.join(cases)}")
+        if cases[case].unit != measure.unit:
+            raise GradeError(
+                f"{where}: measure is {kind!r}, which judges {measure.unit}s, but case {case!r} "
+                f"has {cases[case].unit}s"
+            )
+    if name in (*earlier, *TAKEN):
+        raise GradeError(
+            f"{where}: name is {name!r}, which an earlier criterion or a column of every table of "
+            "grades has"
+        )
     if found.get("needs") not in (None, *earlier):
         allowed = ", ".join(earlier) or "none, as there is none before it"
-        raise fail(f"needs is {found['needs']!r}; allowed: {allowed}", "needs")
-    if found["name"] in TAKEN:
-        raise fail(f"name is {found['name']!r}, which is a column of every table of grades", "name")
-    found["zero"] = found.get("zero", found["full"])
-    found["kind"] = found.pop("measure")
-    measure = MEASURES[found["kind"]]
-    if not measure.is_better(found["full"], found["zero"], or_equal=True):
+        raise GradeError(f"{where}: needs is {found['needs']!r}; allowed: {allowed}")
+    if measure.is_better(zero, full):
         side = "above" if measure.more_is_better else "below"
-        raise fail(f"full is {found['full']:g} and zero is {found['zero']:g}; "
-                   f"for this measure full must be {side} zero", "full")  # fmt: skip
-    return Criterion(**found)
+        raise GradeError(
+            f"{where}: full is {full:g} and zero is {zero:g}; for this measure full must be {side} "
+            "zero"
+        )
+    return Criterion(kind=kind, **found)

@@ -172,7 +172,7 @@ def grade(
     submission, done = find_submission(agent), count(1)
     if not submission.is_built_in:
         say(check_trust(user, trust, are_many=False))
-    with progress_bar(sum(case.episodes for case in wanted.used_cases), "episodes") as show:
+    with progress_bar(wanted.episodes, "episodes") as show:
         report = grade_agent(submission, wanted, user, lambda: show(next(done)))
     for path in save:
         write_report(path, report.shown() if path.suffix.lower() == PAGE else report)

@@ -113,13 +113,13 @@ def test_numbers_may_differ_a_little_and_nothing_else(answer, wanted, same) -> N
     [
         ('arguments = ["x", 1]', 'argument = ["x", 1]', "calls is [{"),
         ('arguments = ["x", 1]', 'arguments = "x"', "allowed: a list of calls, as in [{ arg"),
-        ('answer = "secret"', "answer = 2020-01-01", "line 16: calls is [{"),
-        ('answer = "secret"', 'answer = "a"\nepisodes = 1', "line"),
+        ('answer = "secret"', "answer = 2020-01-01", "[cases.hidden]: calls is [{"),
+        ('answer = "secret"', 'answer = "a"\nepisodes = 1', "calls"),
         ('calls = [{ arguments = ["x", 1], answer = "secret" }]', "", "function needs calls"),
-        ('function = "TABLE"', "function = 1", "line 15: function is 1; allowed: a name of at"),
-        ('function = "TABLE"\n', "", "no key 'calls' in [cases.hidden]; allowed: layout, size"),
+        ('function = "TABLE"', "function = 1", "[cases.hidden]: function is 1; allowed: a name"),
+        ('function = "TABLE"\n', "", "[cases.hidden]: there is no key 'calls'; allowed: layout"),
         ('measure = "answered"\ncases = ["hidden"]', 'measure = "delivered"\ncases = ["hidden"]',
-         "measure is 'delivered', which does not judge calls, as case 'hidden' has"),
+         "measure is 'delivered', which judges episodes, but case 'hidden' has calls"),
     ],
 )  # fmt: skip
 def test_wrong_calls_are_refused(tmp_path: Path, old: str, new: str, message: str) -> None:

@@ -13,18 +13,17 @@ from agents.lab.grading.criteria import MEASURES
 from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import (
-    MINI_LAB,
     SOLUTIONS,
     Rubric,
-    exercise_names,
     find_rubric,
     load_rubric,
+    own_rubrics,
 )
 from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW, SameProcess
 from agents.lab.grading.submissions import Submission, find_submission
 from agents.lab.grading.walls import FILES, enforced
 
-NAMES = exercise_names()
+_, *NAMES = own_rubrics()
 
 AGENTS = (
     "exercise-04", "exercise-05", "exercise-06", "exercise-08", "exercise-10", "exercise-13",
@@ -116,7 +115,7 @@ def test_neither_our_agents_nor_our_solutions_are_answers(tmp_path: Path) -> Non
 def test_there_are_exercises_for_every_measure_that_the_mini_lab_does_not_have() -> None:
     assert [f"exercise-{number:02}" for number in range(1, 29)] == NAMES
     assert [path.stem for path in sorted(SOLUTIONS.glob("*.py"))] == NAMES
-    rubrics = [load_rubric(path) for path in (MINI_LAB, *map(find_rubric, map(Path, NAMES)))]
+    rubrics = [load_rubric(path) for path in own_rubrics().values()]
     assert {each.kind for rubric in rubrics for each in rubric.criteria} == MEASURES.keys()
 
 

@@ -16,23 +16,20 @@ from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.grading.submissions import find_submission
 from agents.lab.toml_text import MAX_BYTES
 
-LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
-
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("memory_mb = 512", f"memory_mb = {'9' * 1900}", "line 8: memory_mb is 99999"),
-        ("memory_mb = 512", f"memory_mb = 0x{'f' * 1900}", "line 8: memory_mb is 67292"),
+        ("memory_mb = 512", f"memory_mb = {'9' * 1900}", "[limits]: memory_mb is 99999"),
         ("[limits]", "a" + ".a" * 10 + " = 1", "line 4 has a key of more than MAX_DEPTH = 10"),
         ("[limits]", "[limits", "it is not TOML: Expected ']' at the end of a table declaration"),
         ("[limits]", "[limit]", "there is no key 'limit'; allowed: title, limits"),
-        ('title = "A short rubric"', "title = 1", "line 2: title is 1; allowed: a name of at"),
-        ("memory_mb = 512", "memory = 512", "line 8: there is no key 'memory' in [limits]"),
-        ("memory_mb = 512", "memory_mb = 1", "line 8: memory_mb is 1; allowed: a whole"),
-        ("episodes = 4", "episodes = 0", f"line {LINE + 1}: episodes is 0; allowed: a"),
-        ("episodes = 4", "size = [7, 9]", f'line {LINE + 1}: size needs layout = "random"'),
-        ("episodes = 4", "start = [0, 0]", f"line {LINE}: layout: start_pos row 0, column 0"),
+        ('title = "A short rubric"', "title = 1", "rubric.toml: title is 1; allowed: a name of at"),
+        ("memory_mb = 512", "memory = 512", "[limits]: there is no key 'memory'; allowed: start"),
+        ("memory_mb = 512", "memory_mb = 1", "[limits]: memory_mb is 1; allowed: a whole"),
+        ("episodes = 4", "episodes = 0", "[cases.chapter]: episodes is 0; allowed: a"),
+        ("episodes = 4", "size = [7, 9]", '[cases.chapter]: size needs layout = "random"'),
+        ("episodes = 4", "start = [0, 0]", "[cases.chapter]: layout: start_pos row 0, column 0"),
         ("episodes = 4", "stations = 1", "stations is 1; allowed: drawn, kept"),
         ('layout = "trap"', 'layout = "tra"', "layout: no layout is called 'tra'"),
         ('layout = "trap"', f'layout = "{400 * "x"}.txt"', "layout: [Errno 36] File name too long"),
@@ -46,7 +43,7 @@ LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
         ("[[criteria]]", "[[criterion]]", "there is no key 'criterion'"),
     ],
 )  # fmt: skip
-def test_a_wrong_rubric_is_refused_with_the_line_the_key_and_what_is_allowed(
+def test_a_wrong_rubric_is_refused_with_the_table_the_key_and_what_is_allowed(
     tmp_path: Path, old: str, new: str, message: str
 ) -> None:
     assert old in RUBRIC

@@ -15,7 +15,7 @@ from zipfile import ZipFile
 import pytest
 from helpers.command_line import Refused
 
-from agents.lab.grading.rubric import exercise_names
+from agents.lab.grading.rubric import own_rubrics
 from agents.lab.playground import runtime
 from agents.lab.playground.page import SCRIPTS
 
@@ -66,7 +66,7 @@ def test_the_folder_has_all_that_the_page_loads(files, tmp_path, warehouse) -> N
     assert {path.name: path.read_bytes() for path in (page / "pyodide").iterdir()} == CONTENTS
     assert "trap" in settings["layouts"]
     assert "class MyAgent" in settings["exercises"]["mini_lab"]["starter"]
-    assert settings["exercises"].keys() == {"mini_lab", *exercise_names()}
+    assert settings["exercises"].keys() == own_rubrics().keys()
     assert settings["exercises"]["exercise-08"]["rows"] == settings["layouts"]["maze"]
     assert "rows" not in settings["exercises"]["exercise-02"]
 
