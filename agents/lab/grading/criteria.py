@@ -133,16 +133,17 @@ def outcomes(runs: Runs) -> str:
     return listed(f"{count} {mode}" for mode, count in rows)
 
 
+def _failures(runs: Runs, more: str) -> str:
+    return f"{counted(sum(bool(run.failure) for run in runs), 'failure')}, {more}"
+
+
 def _useless(runs: Runs) -> str:
     most = max(run.useless for run in runs)
-    failed = sum(bool(run.failure) for run in runs)
-    return f"{counted(failed, 'failure')}, at most {counted(most, 'useless action')} in an episode"
+    return _failures(runs, f"at most {counted(most, 'useless action')} in an episode")
 
 
 def _invalid(runs: Runs) -> str:
-    failed = sum(bool(run.failure) for run in runs)
-    unknown = sum(run.unknown for run in runs)
-    return f"{counted(failed, 'failure')}, {counted(unknown, 'unknown action')}"
+    return _failures(runs, counted(sum(run.unknown for run in runs), "unknown action"))
 
 
 def _times(value: float) -> str:

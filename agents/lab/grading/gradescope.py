@@ -25,7 +25,8 @@ from agents.errors import GradeError
 from agents.lab.grading.grading import Grade, GradeReport, grade
 from agents.lab.grading.rubric import MAX_DAYS, Rubric, load_rubric
 from agents.lab.grading.sandbox import NOBODY, check_trust
-from agents.lab.grading.submissions import submission_at
+from agents.lab.grading.students import Student
+from agents.lab.grading.submissions import submission_of
 from agents.lab.runs.programs import OWN, ROOT
 from warehouse_core.errors import WarehouseError
 from warehouse_core.files.atomic import atomic_path
@@ -102,14 +103,11 @@ def failed_results(reason: str) -> dict[str, Any]:
 def _test(number: int, grade: Grade) -> dict[str, Any]:
     criterion = grade.criterion
     return {
-        "name": criterion.name,
-        "number": str(number),
-        "score": grade.points,
-        "max_score": criterion.points,
-        "status": "passed" if grade.is_full else "failed",
+        "name": criterion.name, "number": str(number), "score": grade.points,
+        "max_score": criterion.points, "status": "passed" if grade.is_full else "failed",
         "output": "\n".join(f"{name}: {text}" for name, text in grade.lines),
         "visibility": criterion.visibility,
-    }
+    }  # fmt: skip
 
 
 def write_autograder(target: Path, rubric: Rubric) -> None:
@@ -165,7 +163,7 @@ def run(root: Path) -> dict[str, Any]:
     """
     rubric = load_rubric(root / "source" / "rubric.toml")
     folder = (root / "submission").resolve()  # on Gradescope it may be a link
-    submission = submission_at(folder, None)
+    submission = submission_of(Student(((folder, folder.name),)), None)
     if Path(submission.shown).is_absolute():
         submission = submission._replace(shown=str(Path(submission.shown).relative_to(folder)))
     user = NOBODY if os.getuid() == 0 else None

@@ -57,6 +57,9 @@ SUFFIXES = (CODE, NOTEBOOK, ARCHIVE)
 LIBRARY = re.compile(r"\..*|__.*|node_modules|site-packages|venv")
 """Names of folders that students do not write, whose files are not part of a submission."""
 
+HIDDEN = re.compile(r"\.|__")
+"""Beginnings of names of files and folders that have no agent."""
+
 PREFERRED = "agent"
 """Name, without suffix, of the file that has the agent if a submission has several files."""
 
@@ -101,9 +104,10 @@ class Submission(NamedTuple):
     @property
     def paths(self) -> list[str]:
         """Folders from which the process imports first."""
-        if self.folder is None or self.file is None:
-            return [] if self.folder is None else [str(self.folder)]
-        return list(dict.fromkeys([str(self.file.parent), str(self.folder)]))
+        if self.folder is None:
+            return []
+        own = self.folder if self.file is None else self.file.parent
+        return list(dict.fromkeys([str(own), str(self.folder)]))
 
     @contextmanager
     def private(self, user: str | None, hidden: Collection[Path] = ()) -> Iterator[Submission]:
@@ -176,9 +180,9 @@ def find_submission(name: str) -> Submission:
     source, kind, options = split_name(name, SUFFIXES)
     if options:
         raise AgentError(f"agent {name!r}: graded agents take no arguments; given: {options}")
-    if kind is None and not source.lower().endswith(SUFFIXES):
-        return _built_in(name)
     if not source.lower().endswith(SUFFIXES):
+        if kind is None:
+            return _built_in(name)
         code = fingerprint(None, source) or ""
         return Submission(name, source, None, source, kind, Path.cwd(), code)
     file = Path(source)
@@ -225,11 +229,6 @@ def in_folder(
             yield Unusable(student.entries[0], str(error), student.entries)
 
 
-def submission_at(path: Path, kind: str | None) -> Submission:
-    """Return the submission in a file, an archive or a folder, as ``submission_of`` does."""
-    return submission_of(Student(((path, path.name),)), kind)
-
-
 def submission_of(student: Student, kind: str | None) -> Submission:
     """Return the submission of a student.
 
@@ -252,10 +251,7 @@ def submission_of(student: Student, kind: str | None) -> Submission:
     file = found[chosen]
     base = next(base for base in parts if file.is_relative_to(base))
     name, shown = parts[base].name, parts[base] / file.relative_to(base)
-    try:
-        _check_kind(file)
-    except AgentError as error:
-        raise AgentError(f"{chosen.as_posix()}: {error}") from None
+    _check_kind(file, f"{chosen.as_posix()}: ")
     if _kind_of(chosen) == ARCHIVE:
         return _of_archive(name, file, kind)._replace(entries=student.entries)
     folder = None
@@ -298,12 +294,12 @@ def _is_too_large(files: Collection[Path]) -> bool:
     return len(files) > MAX_FILES or sum(each.lstat().st_size for each in files) > MAX_BYTES
 
 
-def _check_kind(path: Path) -> None:
+def _check_kind(path: Path, where: str = "") -> None:
     """Raise ``AgentError`` if a path is neither a file nor a folder."""
     if path.is_symlink():
-        raise AgentError("it is a link, which is not followed")
+        raise AgentError(f"{where}it is a link, which is not followed")
     if not path.is_dir() and (kind := not_a_file(path)) is not None:
-        raise AgentError(kind)
+        raise AgentError(f"{where}{kind}")
 
 
 def _choose(names: Iterable[PurePath], suffixes: Sequence[str]) -> PurePath:
@@ -316,8 +312,7 @@ def _choose(names: Iterable[PurePath], suffixes: Sequence[str]) -> PurePath:
     Raises:
         AgentError: there is no such file, or there are several.
     """
-    shown = [each for each in names if not any(part[:1] == "." or part[:2] == "__"
-                                               for part in each.parts)]  # fmt: skip
+    shown = [each for each in names if not any(map(HIDDEN.match, each.parts))]
     for suffix in suffixes:
         found = [each for each in shown if _kind_of(each) == suffix]
         for group in ([each for each in found if each.stem.lower() == PREFERRED], found):

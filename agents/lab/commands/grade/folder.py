@@ -222,10 +222,9 @@ def write_report(path: Path, report: GradeReport) -> None:
     """
     if path.suffix.lower() == PAGE:
         _write_page(path, report)
-        return
-    text = json.dumps(results_of(report), indent=2, ensure_ascii=True)
-    with atomic_path(path) as part:
-        part.write_text(f"{text}\n", encoding="utf-8")
+    else:
+        with atomic_path(path) as part:
+            part.write_text(json.dumps(results_of(report), indent=2) + "\n", encoding="utf-8")
 
 
 def _write_page(path: Path, report: GradeReport) -> None:
