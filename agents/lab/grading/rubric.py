@@ -221,7 +221,7 @@ def own_rubrics() -> dict[str, Path]:
 
 
 def find_rubric(path: Path) -> Path:
-    """Return the file of a rubric: that of the built-in one with this name, or the path itself.
+    """Return the file of the built-in rubric with this name, or else the path itself.
 
     Raises:
         GradeError: there is neither such a file nor such a built-in rubric.
