@@ -49,6 +49,7 @@ see ``look_of``. Font sizes are ``letter`` and ``name``, which is divided by the
 """
 
 
+@cache
 def color_named(name: str) -> Color:
     """Return a colour of light pages by its name in the palette.
 
@@ -104,11 +105,7 @@ INK: Color = color_named("ink")
 FAINT: Color = color_named("rule")
 BATTERY: Color = color_named("battery")
 WARNING: Color = color_named("warning")
-PALE_WARNING: Color = color_named("pale-warning")
 HIT: Color = color_named("hit")
-VELOCITY: Color = color_named("velocity")
-FORCE: Color = color_named("force")
-BRAKE: Color = color_named("brake")
 
 STRANDED: Color = color_named("stranded")
 """Colour of a robot of a fleet with an empty battery."""
@@ -116,12 +113,13 @@ STRANDED: Color = color_named("stranded")
 ITEM: Color = color_named("item")
 """Colour of an item, a box whose edge of ink separates it from any background."""
 
-ORDER_COLORS: tuple[Color, ...] = (
-    ITEM, *(color_named(f"order-{age}") for age in ("older", "nearly-due", "late")),
-)  # fmt: skip
-"""Colours of an order by its age: one for each third of its time until due, and one for late."""
+ORDERS: list[str] = LOOK["orders"]
+"""Names of the colours of an order by its age: one for each third of its time until due, and one
+for late."""
 
-LATE = len(ORDER_COLORS) - 1
+ORDER_COLORS: tuple[Color, ...] = tuple(map(color_named, ORDERS))
+
+LATE = len(ORDERS) - 1
 """Age of an order that is late."""
 
 SHELF, BOARD = color_named("shelf"), color_named("board")
@@ -176,10 +174,9 @@ _TINTS = (
 )  # fmt: skip
 """Colours for which files have no blends, so their edges are less smooth."""
 
+_NAMES = "paper ink rule battery warning pale-warning hit velocity force brake stranded"
 _OWN_COLORS = (
-    PAPER, INK, FAINT, BATTERY, WARNING, PALE_WARNING, HIT, VELOCITY, FORCE, BRAKE, STRANDED,
-    *ORDER_COLORS,
-    *COLORS.values(), *TRAIL_COLORS.values(),
+    *map(color_named, _NAMES.split()), *ORDER_COLORS, *COLORS.values(), *TRAIL_COLORS.values()
 )  # fmt: skip
 _GROUNDS = (PAPER, INK, COLORS[EMPTY])
 MAX_COLORS = 255

@@ -15,15 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from warehouse_core.render.palette import (
-    BATTERY,
-    FAINT,
-    INK,
-    PALE_WARNING,
-    PAPER,
-    WARNING,
-    color_named,
-)
+from warehouse_core.render.palette import FAINT, INK, color_named
 from warehouse_core.viz.axes import SMALLEST, style_chart
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.line_of_text import LineOfText
@@ -141,7 +133,7 @@ class Chart:
         )
         cursor = lines([[(time, low), (time, high)]])
         width = line_width(self.axes, 0.8)
-        self._curtain.show([Shape(veil, PAPER, alpha=VEIL), Shape(cursor, None, INK, width)])
+        self._curtain.show([Shape(veil, "paper", alpha=VEIL), Shape(cursor, None, "ink", width)])
 
 
 def in_time(steps: float) -> str:
@@ -189,8 +181,8 @@ class BatteryBar:
         low = known and share < WARNING_SHARE
         rim = line_width(self._axes, 1.6 if low else 0.8)
         whole, filled = (polygons([BAR * (width, 0.6) + (0, 0.2)]) for width in (1, share))
-        paper, color = (PALE_WARNING, WARNING) if low else (PAPER, BATTERY)
-        self._bar.show([Shape(whole, paper, INK, rim), Shape(filled, color)])
+        paper, color = ("pale-warning", "warning") if low else ("paper", "battery")
+        self._bar.show([Shape(whole, paper, "ink", rim), Shape(filled, color)])
         warning = "" if not low else "  EMPTY!" if share == 0 else "  LOW!"
         units = f"{level:.10g} of {track.full_battery:.10g}" if known else "unknown"
         self._text.set(

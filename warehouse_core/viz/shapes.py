@@ -19,7 +19,7 @@ from matplotlib.textpath import TextPath
 from matplotlib.transforms import Affine2D, Bbox
 from numpy.typing import ArrayLike, NDArray
 
-from warehouse_core.render.palette import INK, LOOK, PAPER, Color
+from warehouse_core.render.palette import LOOK, Color, color_named
 from warehouse_core.viz.axes import POINTS
 from warehouse_core.viz.tracks.track import Point
 
@@ -41,12 +41,13 @@ Points = NDArray[np.float64]
 class Shape(NamedTuple):
     """A path in units of cells, with an optional filling and an optional line around it.
 
-    The ``width`` of the line is in cells, and its ``dashes`` are in multiples of the width.
+    A colour may be given by its name in the palette. The ``width`` of the line is in cells, and its
+    ``dashes`` are in multiples of the width.
     """
 
     path: Path
-    fill: Color | None = None
-    line: Color | None = None
+    fill: Color | str | None = None
+    line: Color | str | None = None
     width: float = 0.0
     dashes: Sequence[float] = ()
     alpha: float = 1.0
@@ -82,7 +83,7 @@ class Shapes(Artist):
         for path, fill, line, width, dashes, alpha in self.shapes:
             style = renderer.new_gc()
             style.set_linewidth(width * cell if line else 0)
-            style.set_foreground(line or INK)
+            style.set_foreground(rgb_of(line or "ink"))
             style.set_joinstyle("round")
             style.set_capstyle("round" if dashes == DOTS else "butt")
             if dashes:
@@ -91,7 +92,7 @@ class Shapes(Artist):
                 # Only translucent shapes are large. Their edges are horizontal and vertical, so
                 # that clipping changes no pixels inside.
                 style.set_clip_rectangle(self.needed)
-            renderer.draw_path(style, path, to_pixels, (*fill, alpha) if fill else None)
+            renderer.draw_path(style, path, to_pixels, (*rgb_of(fill), alpha) if fill else None)
             style.restore()
         self.stale = False
 
@@ -126,6 +127,11 @@ def changed_corners(before: Shape | None, after: Shape | None) -> Points:
     has_moved = np.bincount(polygons, moved) > 0
     corners: Points = np.concatenate([old, new])[np.tile(has_moved[polygons], 2)]
     return corners
+
+
+def rgb_of(color: Color | str) -> Color:
+    """Return a colour, which may be given by its name."""
+    return color_named(color) if isinstance(color, str) else color
 
 
 def corners_of(shape: Shape) -> Points:
@@ -191,8 +197,8 @@ def joined(paths: Iterable[Path]) -> Path:
     return Path.make_compound_path(*paths)
 
 
-def outlined(path: Path, size: float, color: Color = PAPER) -> Iterator[Shape]:
+def outlined(path: Path, size: float, color: str = "paper") -> Iterator[Shape]:
     """Yield light letters with a dark line around them, or dark letters without a line."""
-    if color != INK:
-        yield Shape(path, None, INK, LOOK["lines"]["letter"] * size)
+    if color != "ink":
+        yield Shape(path, None, "ink", LOOK["lines"]["letter"] * size)
     yield Shape(path, color)

@@ -21,27 +21,17 @@ from PIL import Image
 
 from warehouse_core.render.painter import MAX_TILE_PIXELS, codes_of, paint_once
 from warehouse_core.render.palette import (
-    BATTERY,
-    BRAKE,
     COLORS,
     FADES,
-    FORCE,
-    HIT,
-    INK,
-    ITEM,
     LATE,
     LOOK,
-    ORDER_COLORS,
-    PAPER,
+    ORDERS,
     SHADOW,
     SKID,
-    STRANDED,
     TRAIL_COLORS,
-    VELOCITY,
     VISITED,
-    WARNING,
-    Color,
     blend,
+    color_named,
     faded_trail,
 )
 from warehouse_core.viz.axes import draw_grid
@@ -172,14 +162,12 @@ class View:
         self._inside = outer, outer, width - outer, height - outer
         self._tiles, self._stations, self._traces, self._bodies = (
             Tiles(),
-            Shapes(),
-            Shapes(),
-            Shapes(),
+            *(Shapes() for _ in range(3)),
         )
         axes.add_artist(self._tiles)
         axes.add_artist(self._stations)
         figure.add_movers(axes, self._traces, self._bodies)
-        self._histories = [History(robot) for robot in range(len(first.robots))]
+        self._history = History()
         self._settled: tuple[TileRows, int] | None = None
 
     def show(self, frames: Sequence[Frame], number: int) -> None:
@@ -192,16 +180,13 @@ class View:
         shapes += self._seen(frame)
         if frame.fleet:
             shapes += self._fleet(frame, frame.fleet)
-        else:
-            for history in self._histories:
-                history.read(frames)
-            step, each = math.floor(frame.progress), range(len(self._histories))
+        elif frame.robots:
+            self._history.read(frames)
+            step = math.floor(frame.progress)
             if self._settled != (frame.tiles, step):
                 self._settled = frame.tiles, step
-                self._traces.show(
-                    s for robot in each for s in self._left_behind(frames, robot, step)
-                )
-            shapes += [shape for robot in each for shape in self._lone(frames, robot, number)]
+                self._traces.show(self._left_behind(frames, step))
+            shapes += self._lone(frames, number)
         self._bodies.show([*shapes, *self._hits(frame), *self._ends()])
 
     def _least(self, cells: float, points: float) -> float:
@@ -232,34 +217,34 @@ class View:
         """Yield the planned path of a robot as dots, or the path that a search found as a line."""
         path = lines([frame.route])
         if self._track.marks is None:
-            yield Shape(path, None, INK, self._least(WIDTHS["route"], 1.8), DOTS)
+            yield Shape(path, None, "ink", self._least(WIDTHS["route"], 1.8), DOTS)
         else:
-            for color, width in ((PAPER, 0.42), (WARNING, 0.24)):
+            for color, width in (("paper", 0.42), ("warning", 0.24)):
                 yield Shape(path, None, color, self._least(width, 2))
 
     def _ghost(self, number: int) -> Iterator[Shape]:
         """Yield the outline of the robot of another track."""
         ghost, radius = self._track.ghost[number : number + 1], self._least(RADIUS, MIN_RADIUS)
-        yield Shape(stamped(radius * CIRCLE, ghost), None, INK, self._least(RIM, 1), GHOST)
+        yield Shape(stamped(radius * CIRCLE, ghost), None, "ink", self._least(RIM, 1), GHOST)
 
     def _seen(self, frame: Frame) -> Iterator[Shape]:
         """Yield the rays of a range scan, unless arrows are hidden, and the outlines of things."""
         for name, is_ray, dashes in (("outline", False, ()), ("ray", True, DOTS)):
             shown = [(at, to) for is_one, at, to in frame.lines if is_one == is_ray]
             if shown and (self.has_arrows or not is_ray):
-                yield Shape(lines(shown), None, INK, self._least(WIDTHS[name], 0.8), dashes)
+                yield Shape(lines(shown), None, "ink", self._least(WIDTHS[name], 0.8), dashes)
 
     def _ends(self) -> Iterator[Shape]:
         """Yield the start and the goal of a search, as letters on discs."""
         marks, rim = self._track.marks, self._least(RIM, MIN_LINE)
         radius, size = (self._least(LOOK["end"][key], MIN_END) for key in ("radius", "letter"))
         for letter, cell in zip("SG", marks.ends if marks else (), strict=bool(marks)):
-            yield Shape(stamped(radius * CIRCLE, middle(cell)), PAPER, INK, rim)
-            yield Shape(written(letter, size, middle(cell)), INK)
+            yield Shape(stamped(radius * CIRCLE, middle(cell)), "paper", "ink", rim)
+            yield Shape(written(letter, size, middle(cell)), "ink")
 
-    def _left_behind(self, frames: Sequence[Frame], robot: int, step: int) -> Iterator[Shape]:
+    def _left_behind(self, frames: Sequence[Frame], step: int) -> Iterator[Shape]:
         """Yield tints of visited cells, a shadow on what the robot cannot see, and its trail."""
-        rows, history = frames[self._histories[robot].frames[step]].tiles, self._histories[robot]
+        rows, history = frames[self._history.frames[step]].tiles, self._history
         tints: dict[int, list[Point]] = {}
         for (row, col), entries in history.entries(step).items():
             often = min(len(entries) // 2, len(VISITED)) - 1
@@ -268,35 +253,35 @@ class View:
         for tint, places in tints.items():
             yield Shape(stamped(BAR, places), VISITED[tint])
         here, radius = history.cells[step], self._track.view_radius
-        if here is not None and radius is not None and len(self._histories) == 1:
-            yield Shape(around_view(here, radius, self._inside), INK, alpha=SHADOW)
+        if here is not None and radius is not None:
+            yield Shape(around_view(here, radius, self._inside), "ink", alpha=SHADOW)
         width = self._least(WIDTHS["trail"], 1)
-        for loaded, age, routes in trail_of(frames, history.frames, robot, step):
+        for loaded, age, routes in trail_of(frames, history.frames, step):
             dashes = DASHES if loaded else ()
             yield Shape(lines(routes), None, faded_trail(loaded, age), width, dashes)
-        yield self._skids(frames[: history.frames[step] + 1], robot)
+        yield self._skids(frames[: history.frames[step] + 1])
 
-    def _skids(self, frames: Sequence[Frame], robot: int) -> Shape:
+    def _skids(self, frames: Sequence[Frame]) -> Shape:
         """Return the skid marks of a robot in some frames."""
-        marks = skids_of(frames, robot) if self._track.slippery else ()
+        marks = skids_of(frames, 0) if self._track.slippery else ()
         return Shape(lines(line for _, line in marks), None, SKID, LOOK["skid"]["width"])
 
-    def _lone(self, frames: Sequence[Frame], robot: int, number: int) -> Iterator[Shape]:
+    def _lone(self, frames: Sequence[Frame], number: int) -> Iterator[Shape]:
         """Yield a single robot, its trail since the last complete step, and its items."""
-        frame, history = frames[number], self._histories[robot]
+        frame, history = frames[number], self._history
         first = history.frames[math.floor(frame.progress)]
-        poses = [each.robots[robot] for each in frames[first : number + 1]]
+        poses = [each.robots[0] for each in frames[first : number + 1]]
         loaded = bool(poses[0] and poses[0].loaded)
         leg = lines([[pose.at for pose in poses if pose is not None]])
         width, dashes = self._least(WIDTHS["trail"], 1), DASHES if loaded else ()
         yield Shape(leg, None, TRAIL_COLORS[loaded], width, dashes)
-        yield self._skids(frames[first : number + 1], robot)
+        yield self._skids(frames[first : number + 1])
         side, thin = self._least(ITEMS["side"], MIN_ITEM), self._least(ITEMS["line"], MIN_LINE)
         at_rest = {cell for at, cell in history.delivered if at <= number}
         if not history.starts_loaded and not any(at <= number for at in history.taken):
             at_rest.update(cells_of(PICKUP, frame.tiles))
         places = [(col + ITEMS["place"], row + ITEMS["place"]) for row, col in sorted(at_rest)]
-        yield Shape(stamped(side * SQUARE, places), ITEM, INK, thin)
+        yield Shape(stamped(side * SQUARE, places), "item", "ink", thin)
         pose = poses[-1]
         if pose is None:
             return
@@ -304,66 +289,58 @@ class View:
         yield from self._robots([pose], [color_of(pose)], radius, rim)
         if pose.loaded:
             side = CARRIED["side"] if self._track.is_continuous else side
-            yield Shape(stamped(side * radius / RADIUS * SQUARE, pose.at), ITEM, INK, thin)
+            yield Shape(stamped(side * radius / RADIUS * SQUARE, pose.at), "item", "ink", thin)
         if self._track.is_continuous:
             return
         size = self._least(LETTER, MIN_LETTER)
         letter = written(ROBOT_LOADED if pose.loaded else ROBOT_EMPTY, size, pose.at)
-        yield from outlined(letter, size, INK if pose.loaded else PAPER)
+        yield from outlined(letter, size, "ink" if pose.loaded else "paper")
 
     def _robots(
-        self, poses: Sequence[Pose], colors: Sequence[Color], radius: float, rim: float
+        self, poses: Sequence[Pose], colors: Sequence[str], radius: float, rim: float
     ) -> Iterator[Shape]:
         """Yield robots without items. Bodies have arrows, a chassis and wheels or a ring.
 
         The lines around robots with weak motors are dashed.
         """
         dashes = WEAK_MOTOR if self._track.motor_strength < 1 else ()
-        is_body, scale = (
-            self._track.is_continuous and radius >= MIN_BODY * self._point,
-            radius / RADIUS,
-        )
+        scale = radius / RADIUS
+        is_body = self._track.is_continuous and radius >= MIN_BODY * self._point
         if is_body:
             yield from self._arrows(poses)
             yield from self._wheels(poses, scale, rim)
         else:
-            yield Shape(
-                placed(NOSE * scale, [pose for pose in poses if pose.heading is not None]), INK
-            )
+            heading = [pose for pose in poses if pose.heading is not None]
+            yield Shape(placed(NOSE * scale, heading), "ink")
         for color in dict.fromkeys(colors):
             mine = [pose for pose, each in zip(poses, colors, strict=True) if each == color]
             disc = stamped(radius * CIRCLE, [pose.at for pose in mine])
-            yield Shape(placed(CHASSIS * scale, mine) if is_body else disc, color, INK, rim, dashes)
+            yield Shape(
+                placed(CHASSIS * scale, mine) if is_body else disc, color, "ink", rim, dashes
+            )
         if is_body:
-            yield Shape(placed(FRONT * scale, poses), PAPER, INK, rim / 2)
+            yield Shape(placed(FRONT * scale, poses), "paper", "ink", rim / 2)
 
     def _wheels(self, poses: Sequence[Pose], scale: float, rim: float) -> Iterator[Shape]:
         """Yield the wheels or the rings of bodies, and their brake lights."""
         for corners in DRIVES.get(self._track.drive, ()):
-            yield Shape(placed(corners * scale, poses), INK)
+            yield Shape(placed(corners * scale, poses), "ink")
         braking = [pose for pose in poses if pose.push and pose.push.brakes]
-        yield Shape(placed(LAMP * scale, braking), BRAKE, PAPER, rim / 2)
+        yield Shape(placed(LAMP * scale, braking), "brake", "paper", rim / 2)
 
     def _arrows(self, poses: Sequence[Pose]) -> Iterator[Shape]:
         """Yield arrows for the forces and velocities of bodies, from their centres."""
         wide = LOOK["arrows"]["wide"]
-        for name, color, width in (("force", FORCE, wide), ("velocity", VELOCITY, 1.0)):
+        for name, width in (("force", wide), ("velocity", 1.0)):
             for pose in poses if self.has_arrows else ():
                 right, down = arrow_tip(name, getattr(pose.push, name, (0.0, 0.0)))
                 if (right, down) == (0, 0):
                     continue
                 angle, tip = math.atan2(down, right), math.hypot(right, down)
-                half = WIDTHS["arrow"] * width / 2
-                corners = [
-                    (0, half),
-                    (tip, half),
-                    *(HEAD[[1, 0, 2]] * width + (tip, 0)),
-                    (tip, -half),
-                    (0, -half),
-                ]
-                yield Shape(
-                    polygons([turned(np.array(corners), angle) + pose.at]), color, PAPER, RIM / 2
-                )
+                half, head = WIDTHS["arrow"] * width / 2, HEAD[[1, 0, 2]] * width + (tip, 0)
+                corners = np.array([(0, half), (tip, half), *head, (tip, -half), (0, -half)])
+                path = polygons([turned(corners, angle) + pose.at])
+                yield Shape(path, name, "paper", RIM / 2)
 
     def _fleet(self, frame: Frame, fleet: FleetFrame) -> Iterator[Shape]:
         """Yield the robots of a fleet, with their plans, batteries and items, people and orders."""
@@ -376,7 +353,7 @@ class View:
         colors = [color_of(pose, share) for pose, share in zip(robots, fleet.battery, strict=True)]
         yield from self._plans(fleet, colors)
         people = [person.at for person in poses[count:]]
-        yield Shape(stamped(scale * DIAMOND, people), COLORS[PERSON], INK, rim)
+        yield Shape(stamped(scale * DIAMOND, people), "person", "ink", rim)
         yield from self._batteries(places, fleet.battery, scale, rim)
         yield from self._robots(robots, colors, radius, rim)
         size = min(LETTER, NAME / len(str(count - 1))) * scale
@@ -386,22 +363,22 @@ class View:
                 yield from outlined(joined([written(PERSON, size, at) for at in people]), size)
             for is_loaded in (False, True):
                 same = [name for name, color in zip(names, colors, strict=True)
-                        if (color == COLORS[ROBOT_LOADED]) == is_loaded]  # fmt: skip
+                        if (color == "loaded") == is_loaded]  # fmt: skip
                 if same:
-                    yield from outlined(joined(same), size, INK if is_loaded else PAPER)
+                    yield from outlined(joined(same), size, "ink" if is_loaded else "paper")
         away = scale * CARRIED["away"] * np.array((1, -1))
-        for age, color in enumerate(ORDER_COLORS):
+        for age, color in enumerate(ORDERS):
             mine = [place + away for place, each in zip(places, fleet.items, strict=True)
                     if each == age]  # fmt: skip
             yield Shape(stamped(scale * CARRIED["side"] * SQUARE, mine), color, ink_on(age), rim)
         for pusher, robot in ((by, robot) for robot, by in fleet.plans.pushers.items()):
             ahead, middle = places[robot] - places[pusher], (places[robot] + places[pusher]) / 2
             arrow = turned(ARROW, math.atan2(ahead[1], ahead[0]))
-            yield Shape(stamped(arrow, middle), INK, PAPER, rim)
+            yield Shape(stamped(arrow, middle), "ink", "paper", rim)
         for at, number, age in fleet.waiting:
             yield from self._orders(at, f"{number}{'!' * (age == LATE)}", age, rim)
 
-    def _plans(self, fleet: FleetFrame, colors: Sequence[Color]) -> Iterator[Shape]:
+    def _plans(self, fleet: FleetFrame, colors: Sequence[str]) -> Iterator[Shape]:
         """Yield the planned paths of robots, fading with time, and their unplanned rest as dots."""
         planned, wishes, _ = fleet.plans
         for paths, width, dashes in ((planned, WIDTHS["plan"], ()), (wishes, WIDTHS["wish"], DOTS)):
@@ -411,7 +388,7 @@ class View:
                     if before != after:
                         leg = [(col + 0.5, row + 0.5) for row, col in (before, after)]
                         share = min(time / FADE_STEPS, 1) * MAX_FADE
-                        faded = blend(colors[robot], COLORS[EMPTY], share)
+                        faded = blend(color_named(colors[robot]), COLORS[EMPTY], share)
                         yield Shape(lines([leg]), None, faded, self._least(width, 2), dashes)
 
     def _batteries(
@@ -425,8 +402,8 @@ class View:
             for place, share in zip(places, battery, strict=True)
             if len(battery) <= BATTERIES["few"] or share < low
         ]
-        yield Shape(stamped(BAR * (length, height), [at for at, _ in shown]), PAPER, INK, rim)
-        for is_low, color in ((False, BATTERY), (True, WARNING)):
+        yield Shape(stamped(BAR * (length, height), [at for at, _ in shown]), "paper", "ink", rim)
+        for is_low, color in ((False, "battery"), (True, "warning")):
             bars = [
                 at + BAR * (share * length, height)
                 for at, share in shown
@@ -439,7 +416,7 @@ class View:
         size = self._least(ITEMS["side"], MIN_ORDERS)
         place = tuple(part - 0.5 + ITEMS["place"] for part in at)
         box = SQUARE * size * (max(glyphs(words)[1] + 0.4, 1.15), 1.15)
-        yield Shape(stamped(box, place), ORDER_COLORS[age], ink_on(age), rim)
+        yield Shape(stamped(box, place), ORDERS[age], ink_on(age), rim)
         yield Shape(written(words, size, place), ink_on(age))
 
     def _hits(self, frame: Frame) -> Iterator[Shape]:
@@ -447,19 +424,19 @@ class View:
         radius = self._least(STAR_RADIUS, MIN_FLEET_HIT if frame.fleet else MIN_HIT)
         star, rim = STAR * (radius / STAR_RADIUS), self._least(RIM / 2, MIN_LINE)
         stars = [star * hit.size + hit.at for hit in frame.hits]
-        yield Shape(polygons(stars), HIT, INK, rim)
+        yield Shape(polygons(stars), "hit", "ink", rim)
         if frame.hits and frame.hits[-1].label:
             radius *= frame.hits[-1].size
             (x, y), size = frame.hits[-1].at, LABEL * self._point
             half = (glyphs(frame.hits[-1].label)[1] + 0.8) * size / 2
             left, top, right, _ = self._inside
             place = max(min(x, right - half), left + half), max(y - radius - size, top + size)
-            yield Shape(stamped(SQUARE * (2 * half, 1.5 * size), place), HIT)
-            yield Shape(written(frame.hits[-1].label, size, place), INK)
+            yield Shape(stamped(SQUARE * (2 * half, 1.5 * size), place), "hit")
+            yield Shape(written(frame.hits[-1].label, size, place), "ink")
 
 
 def trail_of(
-    frames: Sequence[Frame], ends: Sequence[int], robot: int, step: int
+    frames: Sequence[Frame], ends: Sequence[int], step: int
 ) -> Iterator[tuple[bool, float, list[list[Point]]]]:
     """Yield the trail of a robot in pieces, the oldest first: its load, age and lines.
 
@@ -470,7 +447,7 @@ def trail_of(
     recent = ends[max(0, step - steps) : step + 1]
     numbers = [n for first, end in pairwise(recent) for n in range(first, end, FRAMES_APART)]
     for before, after in pairwise([*numbers, recent[-1]]):
-        start, end = frames[before].robots[robot], frames[after].robots[robot]
+        start, end = frames[before].robots[0], frames[after].robots[0]
         if start is None or end is None:
             continue
         age = int(FADES * min((step - frames[before].progress) / steps, 0.999)) / FADES
@@ -510,13 +487,11 @@ def turned(shape: Points, angle: float) -> Points:
     return corners
 
 
-def color_of(pose: Pose, share: float = 1.0) -> Color:
-    """Return the colour of a robot with a share of a full battery."""
-    if share <= 0:
-        return STRANDED
-    return COLORS[ROBOT_LOADED if pose.loaded else ROBOT_EMPTY]
+def color_of(pose: Pose, share: float = 1.0) -> str:
+    """Return the name of the colour of a robot with a share of a full battery."""
+    return "stranded" if share <= 0 else "loaded" if pose.loaded else "robot"
 
 
-def ink_on(age: int) -> Color:
-    """Return the colour of the text on an order, and of the line around it."""
-    return PAPER if age == LATE else INK
+def ink_on(age: int) -> str:
+    """Return the name of the colour of the text on an order, and of the line around it."""
+    return "paper" if age == LATE else "ink"

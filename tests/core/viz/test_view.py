@@ -5,7 +5,6 @@ from typing import Any
 
 import pytest
 
-from warehouse_core.render.palette import HIT, INK
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.shapes import Shape, Shapes, lines
 from warehouse_core.viz.tracks.track import DrawnHit, Frame, Pose, Track
@@ -53,17 +52,17 @@ def test_large_maps_have_fewer_numbers(size: int, every: int) -> None:
 def test_the_label_of_a_hit_is_above_it_and_on_the_map(x: float) -> None:
     hits = DrawnHit((2.0, 2.0), "first"), DrawnHit((x, 3.0), "wall")
     view = view_of(Frame(FLOOR, (ROBOT,), 0.0, hits=hits))
-    stars, label = shapes(view, fill=HIT)
+    stars, label = shapes(view, fill="hit")
     assert [place[0] for place in middles([stars])] == pytest.approx([2, x], abs=0.02)
     [(left, top, right, bottom)] = boxes([label])
     assert 0 <= left < right <= 6
     assert abs((left + right) / 2 - x) <= (right - left) / 2
     assert 2.2 < top < bottom < 3
     [(_, top, _, _)] = boxes(shapes(view_of(Frame(FLOOR, (None,), 0.0, hits=(
-        DrawnHit((x, 0.0), "wall"),))), fill=HIT)[1:])  # fmt: skip
+        DrawnHit((x, 0.0), "wall"),))), fill="hit")[1:])  # fmt: skip
     assert top >= 0
     plain = view_of(Frame(FLOOR, (ROBOT,), 0.0, hits=(DrawnHit((x, 3.0), ""),)))
-    assert len(shapes(plain, fill=HIT)) == 1
+    assert len(shapes(plain, fill="hit")) == 1
 
 
 def test_a_line_has_its_width_in_cells_also_in_pixels() -> None:
@@ -73,5 +72,5 @@ def test_a_line_has_its_width_in_cells_also_in_pixels() -> None:
     axes.set_axis_off()
     line = Shapes()
     axes.add_artist(line)
-    line.show([Shape(lines([[(0, 1), (4, 1)]]), None, INK, 0.2)])
+    line.show([Shape(lines([[(0, 1), (4, 1)]]), None, "ink", 0.2)])
     assert (figure.rgba()[:, 100, 0] < 128).sum() == 0.2 * 50

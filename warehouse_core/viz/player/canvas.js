@@ -9,9 +9,6 @@ export const MIN_TEXT = 11;
 /** The size, in CSS pixels, from which on bold text needs less contrast (WCAG 1.4.3). */
 export const LARGE_TEXT = 19;
 
-/** The names of the colours of orders by age: new, older, nearly due and late. */
-const ORDERS = ["item", "order-older", "order-nearly-due", "order-late"];
-
 const MAX_CELL = 96;
 const MAX_ZOOM = 64;
 
@@ -27,7 +24,7 @@ export function readTheme() {
   const scheme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
   const key = `${scheme} ${devicePixelRatio}`;
   return kept(readTheme, "theme", key, () => {
-    const orders = ORDERS.map((name) => PALETTE.both[name]);
+    const orders = LOOK.orders.map((name) => PALETTE.both[name]);
     const heat = PALETTE.heat[scheme];
     return { ...PALETTE.both, ...PALETTE[scheme], orders, heat, density: devicePixelRatio, key };
   });

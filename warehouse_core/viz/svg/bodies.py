@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from warehouse_core.records.plans import NO_PLANS
-from warehouse_core.render.palette import LATE, LOOK
+from warehouse_core.render.palette import LATE, LOOK, ORDERS
 from warehouse_core.viz.svg.beat import Beat, spans_of
 from warehouse_core.viz.svg.floor import UNIT, box, polygon, shape
 from warehouse_core.viz.tracks.history import History, skids_of
@@ -41,9 +41,6 @@ ROBOT, ITEM, CARRIED, BATTERY, ARROWS = (
 RADIUS = round(UNIT * ROBOT["radius"])
 """Radius of a robot."""
 
-ORDERS = ("item", "order-older", "order-nearly-due", "order-late")
-"""Names of the colours of orders, by age."""
-
 MIN_NAMED = 20
 """Least side of a cell, in pixels, for which the number of a robot is legible."""
 
@@ -69,7 +66,7 @@ def bodies_of(track: Track, numbers: Sequence[int], beat: Beat, pixels: float) -
     robots = len(fleets[0].battery) if fleets else len(frames[0].robots)
     for robot in range(robots):
         if not fleets:
-            yield from _traces(track, frames, robot, beat)
+            yield from _traces(track, frames, beat)
         if track.slippery:
             yield from _skids(frames, robot, beat)
     yield from beat.all_of(map(_lines, frames))
@@ -304,15 +301,15 @@ def _path(points: Iterable[Point], look: str) -> str:
     return f'<polyline points="{_places(points)}" class="{look} of-ink"/>'
 
 
-def _traces(track: Track, frames: Sequence[Frame], robot: int, beat: Beat) -> Iterator[str]:
+def _traces(track: Track, frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
     """Yield the visited cells, trail and items of a robot, and a shadow on what it cannot see."""
-    history, rows = History(robot), frames[0].tiles
+    history, rows = History(), frames[0].tiles
     history.read(frames)
     for (row, col), entries in history.entries(len(frames)).items():
         tint = box(UNIT * col, UNIT * row, UNIT, UNIT, "visited")
         for first in entries[1:MAX_VISITS]:
             yield beat.shown_from(tint, first)
-    poses = [frame.robots[robot] for frame in frames]
+    poses = [frame.robots[0] for frame in frames]
     yield from _trail(poses, beat)
     if not history.starts_loaded:
         waits = [(0, history.taken[0] if history.taken else beat.frames)]
@@ -320,7 +317,7 @@ def _traces(track: Track, frames: Sequence[Frame], robot: int, beat: Beat) -> It
             yield beat.shown(_item_in(cell), waits)
     for frame, cell in history.delivered:
         yield beat.shown_from(_item_in(cell), frame)
-    if track.view_radius is not None and len(frames[0].robots) == 1 and None not in poses:
+    if track.view_radius is not None and None not in poses:
         first, side = -UNIT * track.view_radius, UNIT * (2 * track.view_radius + 1)
         far = UNIT * 2 * max(len(rows), len(rows[0]))
         window = f"M{-far}-{far}H{far}V{far}H{-far}zM{first} {first}v{side}h{side}v-{side}z"

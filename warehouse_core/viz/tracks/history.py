@@ -25,7 +25,7 @@ def skids_of(frames: Sequence[Frame], robot: int) -> Iterator[tuple[int, list[Po
 
 
 class History:
-    """The cells of a robot after each step, and its pickups and deliveries.
+    """The cells of a single robot after each step, and its pickups and deliveries.
 
     Attributes:
         frames: number of the frame at the end of each step.
@@ -36,8 +36,8 @@ class History:
         starts_loaded: true if the robot has an item in the first frame.
     """
 
-    def __init__(self, robot: int) -> None:
-        self._robot, self._read = robot, 0
+    def __init__(self) -> None:
+        self._read = 0
         self.frames: list[int] = []
         self.cells: list[Cell | None] = []
         self.taken: list[int] = []
@@ -48,7 +48,7 @@ class History:
     def read(self, frames: Sequence[Frame]) -> None:
         """Read the frames that have not been read yet."""
         for number in range(self._read, len(frames)):
-            pose = frames[number].robots[self._robot]
+            pose = frames[number].robots[0]
             cell = None if pose is None else (int(pose.at[1]), int(pose.at[0]))
             if frames[number].progress.is_integer():
                 self.frames.append(number)

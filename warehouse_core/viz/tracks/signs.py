@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.render.palette import LOOK, hex_color
 from warehouse_core.viz.tracks.history import History
-from warehouse_core.viz.tracks.track import Track
+from warehouse_core.viz.tracks.track import Pose, Track
 from warehouse_core.world.tiles import (
     CHARGER,
     DROPOFF,
@@ -65,7 +65,7 @@ def _robots(track: Track) -> Iterator[Sign]:
             if is_loaded in loads:
                 yield (letter, WORDS[letter]) if track.is_fleet else _with_letter(letter)
     if not track.is_fleet:
-        yield from _traces(track, has_item=any(pose.loaded for pose in poses))
+        yield from _traces(track, poses)
         return
     fleets = [frame.fleet for frame in track.frames if frame.fleet]
     ages = {each.age for fleet in fleets for each in fleet.waiting}
@@ -85,22 +85,16 @@ def _robots(track: Track) -> Iterator[Sign]:
     )
 
 
-def _traces(track: Track, *, has_item: bool) -> Iterator[Sign]:
-    """Yield the signs of items, trails and views of robots that are not a fleet."""
-    frames = track.frames
-    histories = [History(robot) for robot in range(len(frames[0].robots))]
-    for history in histories:
-        history.read(frames)
-    moves = {
-        before.loaded
-        for first, second in pairwise(frames)
-        for before, after in zip(first.robots, second.robots, strict=True)
-        if before and after and before.at != after.at
-    }
+def _traces(track: Track, poses: Sequence[Pose]) -> Iterator[Sign]:
+    """Yield the signs of items, and of the trail and view of a single robot."""
+    frames, history = track.frames, History()
+    history.read(frames if poses else ())
+    moves = {before.loaded for before, after in pairwise(poses) if before.at != after.at}
+    has_pickup = any(PICKUP in line for line in frames[0].tiles) and track.marks is None
     yield from _named(
-        item=has_item or (any(PICKUP in line for line in frames[0].tiles) and track.marks is None),
-        shadow=track.view_radius is not None and len(histories) == 1,
-        visited=any(len(e) > 1 for h in histories for e in h.entries(track.steps).values()),
+        item=any(pose.loaded for pose in poses) or has_pickup,
+        shadow=track.view_radius is not None and bool(poses),
+        visited=any(len(each) > 1 for each in history.entries(track.steps).values()),
         trail=False in moves,
         trail_loaded=True in moves,
     )
