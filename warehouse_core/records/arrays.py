@@ -126,7 +126,8 @@ HEADER_KEYS = {
         "unknown_actions", "reasons", "counterparts", "cut_off",
     ),
 }  # fmt: skip
-"""Keys that a header may have in addition to ``format``, by format."""
+"""Keys that a header may have in addition to ``format``, by format. Earlier versions also wrote
+``unknown_actions``, which are not read."""
 
 EpisodeFields = dict[str, Any]
 """Fields of an ``Episode`` by name."""
@@ -253,9 +254,6 @@ def _pack_fleet(
     }
     if fields["drive"]:
         header["drive"] = fields["drive"]
-    if fields["unknown_actions"]:
-        given = fields["unknown_actions"].items()
-        header["unknown_actions"] = [(*place, action) for place, action in given]
     settings, reasons = fields["settings"], fields["reasons"]
     if settings.has_headings:
         arrays["headings"] = np.asarray(fields["headings"])
@@ -289,7 +287,6 @@ def _unpack_fleet(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) 
     fields["assignments"] = [tuple(_with_none(each)) for each in arrays["assignments"].tolist()]
     fields["motions"] = _rows(fields["motions"], settings.bodies)
     fields["measures"] = _read_measures(header.get("measures"))
-    fields["unknown_actions"] = _read_unknown_actions(header, arrays["actions"] == INVALID)
     if "reasons" in arrays:
         words = decode_words(header, "reasons", arrays["reasons"].ravel())
         fields["reasons"] = _rows(words, settings.robots)
@@ -414,23 +411,6 @@ def _read_measures(values: Any) -> FleetMeasures:
             raise RecordError(f"{name} is {brief(value)}; it must be {kinds[name]}")
     numbers: dict[str, Any] = {name: math.nan if x is None else x for name, x in values.items()}
     return FleetMeasures(**numbers)
-
-
-def _read_unknown_actions(header: EpisodeFields, is_unknown: NDArray[np.bool_]) -> dict[Any, Any]:
-    """Return the actions that do not exist, as the agent gave them, by step and robot."""
-    entries, (steps, robots) = header.get("unknown_actions", []), is_unknown.shape
-    if not isinstance(entries, list) or not all(
-        isinstance(entry, list)
-        and [type(part) for part in entry] in ([int, int, str], [int, int, int])
-        and 0 <= entry[0] < steps
-        and 0 <= entry[1] < robots
-        and is_unknown[entry[0], entry[1]]
-        for entry in entries
-    ):
-        raise RecordError(
-            "unknown_actions must be a list of [step, robot, action], each for an invalid action"
-        )
-    return {(step, robot): action for step, robot, action in entries}
 
 
 def pack_layout(layout: Layout) -> NDArray[np.uint8]:

@@ -70,7 +70,7 @@ class Episode:
         rewards: ``[F]`` reward of the step before each frame, beginning with 0; or ``[T, R]``
             float64.
         actions: ``[T]`` words and indices as the agent gave them; or ``[T, R]`` int8 indices, with
-            ``INVALID`` for actions that do not exist, see ``unknown_actions``.
+            ``INVALID`` for actions that do not exist.
         reasons: ``[T]`` reasons that the agent gave, "" for none. For a fleet tuples of ``R``
             reasons, or an empty list if the agent never gave any.
         motions: ``[T]`` outcomes of the motion backend. For a fleet tuples with the outcomes of
@@ -83,7 +83,6 @@ class Episode:
         slippery: Open cells that the backend reports as slippery.
         motor_strength: Actual motor force, as a share of the nominal force.
         drive: Drive of the robots as the backend reports it, such as ``"differential"``.
-        unknown_actions: Actions of a fleet that do not exist, as given, by step and robot.
         people: ``[F, P]`` int32: cells of the people; () for a single robot.
         headings: ``[F, R]`` int8: headings of the robots, 0 to 3 for N, E, S and W; () without
             headings.
@@ -123,7 +122,6 @@ class Episode:
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
     drive: str = ""
-    unknown_actions: dict[tuple[int, int], Action] = field(default_factory=dict)
     people: Column = ()
     headings: Column = ()
     stopped_by: Column = ()
@@ -203,25 +201,6 @@ class Episode:
         if self.battery and self.battery[-1] <= 0:
             return BATTERY_DEPLETED
         return OUT_OF_TIME if self.truncated else UNFINISHED
-
-    @property
-    def words(self) -> list[Any]:
-        """``[T]`` actions of a single robot as given; for a fleet tuples of ``R`` words.
-
-        An action that does not exist appears as the agent gave it, or as ``INVALID`` if this was
-        not recorded.
-        """
-        if not self.is_fleet:
-            return list(self.actions)
-        words: dict[int, Action] = {
-            **dict(enumerate(self.settings.actions.words)),
-            INVALID: INVALID,
-        }
-        return [
-            tuple(self.unknown_actions.get((step, robot), words[action])
-                  for robot, action in enumerate(actions))
-            for step, actions in enumerate(self.actions.tolist())
-        ]  # fmt: skip
 
     def counted_actions(self, steps: int | slice = slice(None)) -> NDArray[np.integer]:
         """Return the move that each action of a fleet amounts to; see ``world/moves.py``.

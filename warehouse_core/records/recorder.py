@@ -19,10 +19,9 @@ from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import Outcome, with_defaults
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.records.arrays import FIELD_OF, HEADED_COLUMNS
-from warehouse_core.records.episode import Action, Episode
+from warehouse_core.records.episode import Episode
 from warehouse_core.task.state import Observation
 from warehouse_core.warehouse_env import WarehouseEnv
-from warehouse_core.world.actions import INVALID
 
 DRIVE_RECORDS = "warehouse_physics.drive.replay"
 """Module that replays continuous control."""
@@ -46,7 +45,7 @@ HEADINGS_TOO = ("headings",)
 class Agent(Protocol):
     """Protocol of an agent that controls a single robot, as ``record_episode`` requires it.
 
-    An agent may also be ``Explaining``; then the record keeps its reasons.
+    If an agent has an attribute ``reason``, the record keeps it as the reason of the last action.
 
     Example:
         >>> from warehouse_core import Agent, WarehouseEnv, record_episode
@@ -71,7 +70,8 @@ class Agent(Protocol):
 class FleetAgent(Protocol):
     """Protocol of an agent that controls all robots of a fleet, as ``record_episode`` requires it.
 
-    An agent may also be ``Explaining``; then the record keeps its reasons.
+    If an agent has an attribute ``reason``, with one reason for all robots or one for each, the
+    record keeps it.
 
     Example:
         >>> from warehouse_core import FleetEnv, record_episode
@@ -115,23 +115,8 @@ class Recordable(Protocol):
         """Reset, and return a recorder of the new episode; see ``start_recording``."""
 
 
-class Explaining(Protocol):
-    """An agent that explains its last action, or the last action of each of its robots.
-
-    Attributes:
-        reason: Reason in words, or one reason for each robot. The attribute may be missing until
-            the agent has acted.
-    """
-
-    reason: str | Sequence[str]
-
-
-def explanation_of(agent: Agent | FleetAgent | Controller | Explaining) -> str | Sequence[str]:
-    """Return the reason of an ``Explaining`` agent, and ``""`` for any other agent.
-
-    The attribute is read by name, because this happens at every step, and ``isinstance`` with a
-    protocol takes longer than a step.
-    """
+def explanation_of(agent: Agent | FleetAgent | Controller) -> str | Sequence[str]:
+    """Return the ``reason`` of an agent that has one, and ``""`` for any other agent."""
     reason: str | Sequence[str] = getattr(agent, "reason", "")
     return reason
 
@@ -251,7 +236,6 @@ class FleetRecorder:
         self._columns: dict[str, list[Any]] = {name: [] for name in (*self._of_frames, *OF_STEPS)}
         self._reasons: list[tuple[str, ...]] = []
         self._motions: list[tuple[Outcome, ...]] = []
-        self._unknown: dict[tuple[int, int], Action] = {}
         self._terminated = self._truncated = np.zeros(env.settings.robots, np.bool_)
         self.ended, self.place = False, "reset"
         env.reset(seed=self._seed)
@@ -274,11 +258,6 @@ class FleetRecorder:
             raise EndedError(OUT_OF_TURN)
         chosen = self._env.action_indices(actions)
         _, rewards, terminated, truncated, info = self._env.step(chosen)
-        for robot in np.flatnonzero(chosen == INVALID).tolist():
-            action = actions[robot]
-            if action != INVALID:
-                is_word = isinstance(action, str)
-                self._unknown[step, robot] = str(action) if is_word else int(action)
         is_each = isinstance(reason, (list, tuple)) and len(reason) == robots
         self._reasons.append(tuple(map(str, reason)) if is_each else (str(reason),) * robots)
         values = {"actions": chosen, "rewards": rewards, **info["motion"]}
@@ -317,7 +296,6 @@ class FleetRecorder:
             motions=self._motions[:],
             backend=env.backend,
             cell_size=env.cell_size,
-            unknown_actions=dict(self._unknown),
             orders=env.orders,
             assignments=list(env.assignments),
             measures=env.measures,
@@ -453,12 +431,12 @@ def _replay_fleet(episode: Episode, backend: Backend) -> Episode:
     assigned = defaultdict(list)
     for step, robot, order in episode.assignments:
         assigned[step].append((robot, order))
-    words, reasons = episode.words, episode.reasons or [""] * episode.steps
+    reasons = episode.reasons or [""] * episode.steps
     for step in range(episode.steps + 1):
         for robot, order in assigned[step]:
             env.assign(robot, order)
         if step < episode.steps:
-            recorder.step(words[step], reasons[step])
+            recorder.step(episode.actions[step], reasons[step])
     env.close()
     return recorder.episode
 

@@ -174,9 +174,12 @@ _TINTS = (
 )  # fmt: skip
 """Colours for which files have no blends, so their edges are less smooth."""
 
-_NAMES = "paper ink rule battery warning pale-warning hit velocity force brake stranded"
+_NAMES = (
+    "paper", "ink", "rule", "battery", "warning", "pale-warning", "hit", "velocity", "force",
+    "brake", "stranded",
+)  # fmt: skip
 _OWN_COLORS = (
-    *map(color_named, _NAMES.split()), *ORDER_COLORS, *COLORS.values(), *TRAIL_COLORS.values()
+    *map(color_named, _NAMES), *ORDER_COLORS, *COLORS.values(), *TRAIL_COLORS.values()
 )  # fmt: skip
 _GROUNDS = (PAPER, INK, COLORS[EMPTY])
 MAX_COLORS = 255

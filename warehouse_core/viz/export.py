@@ -1,10 +1,4 @@
-"""The file formats of replays, a progress bar, and MP4 files.
-
-Example:
-    >>> from warehouse_core.viz.export import FORMATS
-    >>> FORMATS
-    ('.gif', '.mp4', '.html', '.svg', '.png')
-"""
+"""The file formats of replays, a progress bar, and MP4 files."""
 
 from __future__ import annotations
 
@@ -19,8 +13,6 @@ from subprocess import DEVNULL, PIPE, Popen
 from warehouse_core.errors import FormatError
 from warehouse_core.extras import install_command
 
-__all__ = ["FORMATS", "ffmpeg", "has_live_terminal", "progress_bar"]
-
 FORMATS = (".gif", ".mp4", ".html", ".svg", ".png")
 """Suffixes of the files that a replay can be saved as."""
 
@@ -34,10 +26,6 @@ def has_live_terminal() -> bool:
     """Return whether standard error is a terminal on which a line can be redrawn.
 
     Commands in the cells of a notebook also have a terminal, but it keeps everything they print.
-
-    Example:
-        >>> from warehouse_core.viz.export import has_live_terminal
-        >>> shows_a_bar = has_live_terminal()
     """
     return sys.stderr.isatty() and "JPY_PARENT_PID" not in os.environ
 
@@ -47,12 +35,6 @@ def progress_bar(frames: int, label: str) -> Iterator[Progress]:
     """Yield a callback for ``(frame, frames)`` that advances a progress bar on standard error.
 
     Short exports, and programs without a live terminal, show no bar.
-
-    Example:
-        >>> from warehouse_core.viz.export import progress_bar
-        >>> with progress_bar(frames=100, label="replay.gif") as advance:
-        ...     for frame in range(100):
-        ...         advance(frame, 100)
     """
     if frames < MIN_BAR_FRAMES or not has_live_terminal():
         yield lambda frame, _: None
@@ -70,12 +52,6 @@ def ffmpeg() -> str:
 
     Raises:
         FormatError: imageio-ffmpeg is not installed.
-
-    Example:
-        >>> from pathlib import Path
-        >>> from warehouse_core.viz.export import ffmpeg
-        >>> Path(ffmpeg()).exists()
-        True
     """
     try:
         from imageio_ffmpeg import get_ffmpeg_exe

@@ -17,7 +17,7 @@ from warehouse_core.errors import NoDisplayError
 from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.export import FORMATS, has_live_terminal, mp4_frames, progress_bar
-from warehouse_core.viz.figure import make_figure, make_window, save_svg
+from warehouse_core.viz.figure import make_figure, make_window
 from warehouse_core.viz.gif_writer import GifWriter
 from warehouse_core.viz.player import player_frame, save_page
 from warehouse_core.viz.scene import Scene
@@ -132,7 +132,7 @@ class Replay(FuncAnimation):
         self._scene.show(self._scene.still)
 
     def save(  # type: ignore[override]
-        self, filename: str | Path, writer: Any = None, *, still: bool = False, **options: Any
+        self, filename: str | Path, writer: Any = None, **options: Any
     ) -> None:
         """Save to ``.gif``, ``.mp4``, ``.html`` or ``.svg``, or one frame to ``.png``.
 
@@ -142,8 +142,6 @@ class Replay(FuncAnimation):
         Args:
             filename: path of the file.
             writer: matplotlib writer.
-            still: save an ``.svg`` as a still picture of one frame with its charts; by default it
-                is an animated drawing of the floor.
             options: further arguments of ``Animation.save``, only with a writer.
 
         Raises:
@@ -161,7 +159,7 @@ class Replay(FuncAnimation):
         suffix = check_suffix(Path(filename), FORMATS)
         try:
             with atomic_path(filename) as part:
-                self._write(part, suffix, still=flag("still", still))
+                self._write(part, suffix)
         finally:
             self.refresh()
 
@@ -173,21 +171,18 @@ class Replay(FuncAnimation):
             if self.figure.number not in plt.get_fignums():
                 FigureCanvasAgg(self.figure)
 
-    def _write(self, path: Path, suffix: str, *, still: bool) -> None:
+    def _write(self, path: Path, suffix: str) -> None:
         if suffix == ".gif":
             self._write_gif(path)
         elif suffix == ".mp4":
             self._write_mp4(path)
         elif suffix == ".html":
             save_page(path, self._tracks, speed=self._speed)
-        elif suffix == ".svg" and not still:
+        elif suffix == ".svg":
             path.write_text(animated_svg(self._tracks, speed=self._speed), encoding="utf-8")
         else:
             self.show_still()
-            if suffix == ".svg":
-                save_svg(self.figure, path)
-            else:
-                self.figure.pixels().save(path, format="PNG")
+            self.figure.pixels().save(path, format="PNG")
 
     def _write_gif(self, path: Path) -> None:
         last = len(self._scene) - 1

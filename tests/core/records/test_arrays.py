@@ -158,8 +158,6 @@ OPTIONAL: dict[str, tuple[Any, ...]] = {
     "motor_strength": (2.0,),
     "drive": (5,),
     "slippery": (5, [[1]], [[1, 1], [0, 0]]),
-    "unknown_actions": (5, [3], [[0, 0]], [[0, True, "x"]], [[-1, 0, "x"]], [[0, 4, "x"]],
-                        [[30, 0, "x"]], [[0, 0, 1.5]], [[0, 0, "x"]]),
     "cut_off": (0, ["0"], [True], [-1], [180]),
 }  # fmt: skip
 
@@ -455,7 +453,7 @@ def test_files_of_version_0_1_are_read_and_written(name, again, tmp_path) -> Non
         assert old.readings is None
         assert np.array_equal(old.path[:, :3], new.path[:, :3])
         assert old == new._replace(path=old.path, readings=None)
-    newer = dataclasses.replace(again(), unknown_actions={}, motions=loaded.motions)
+    newer = dataclasses.replace(again(), motions=loaded.motions)
     assert newer.drive == "omnidirectional"
     older = {"drive": ""} if newer.is_fleet else {
         "settings": dataclasses.replace(newer.settings, drive="")

@@ -31,7 +31,7 @@ from warehouse_core import (
 from warehouse_core.fleet import Battery, People
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.records import FleetRecorder
-from warehouse_core.world.actions import INVALID
+from warehouse_core.world.actions import INVALID, WAIT
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*can keep")
 
@@ -258,7 +258,6 @@ def test_values_of_a_fleet_that_would_load_as_others_are_not_saved(tmp_path: Pat
         {"agent": None},
         {"orders": [Order("now", 3, (1, 1), (1, 2))]},  # type: ignore[arg-type]
         {"reasons": [("one",)]},
-        {"unknown_actions": {(0, 9): "fly"}},
     ):
         with pytest.raises(RecordError, match=r"fleet\.npz: "):
             dataclasses.replace(episode, **changes).save(tmp_path / "fleet.npz")
@@ -404,16 +403,13 @@ def test_a_seed_is_drawn_and_kept() -> None:
     assert replay_episode(one) == one
 
 
-def test_reasons_and_words_of_a_fleet_are_kept() -> None:
+def test_reasons_of_a_fleet_are_kept() -> None:
     episode = fleet_episode(agent=Talkers(), orders=[Order(3, 40, (1, 1), (1, 5))], max_steps=20)
-    assert len(episode.reasons) == len(episode.words) == episode.steps
-    steps = zip(episode.words, episode.reasons, episode.actions, strict=True)
-    for words, reasons, actions in steps:
+    for reasons, actions in zip(episode.reasons, episode.actions.tolist(), strict=True):
+        words = [WarehouseEnv.ACTIONS[each] if each != INVALID else "FLY" for each in actions]
         is_waiting = set(words) == {"WAIT"}
         assert reasons == tuple("all wait" if is_waiting else f"to {word}" for word in words)
-        assert [word == "FLY" for word in words] == (actions == INVALID).tolist()
-    assert "FLY" in episode.unknown_actions.values()
-    assert on_line(*DELIVERY).words == list(DELIVERY)
+    assert (episode.actions == INVALID).any()
 
 
 @pytest.mark.parametrize("reason", [None, 5, ["one"], "all"])
@@ -421,8 +417,7 @@ def test_any_reason_of_a_fleet_is_kept_as_text(reason: object) -> None:
     recorder = FleetRecorder(FleetEnv(LANE, 2, orders=None), seed=1)
     recorder.step([INVALID, "WAIT"], reason)
     assert recorder.episode.reasons == [(str(reason),) * 2]
-    assert recorder.episode.words == [(INVALID, "WAIT")]
-    assert recorder.episode.unknown_actions == {}
+    assert recorder.episode.actions.tolist() == [[INVALID, WAIT]]
 
 
 def test_a_fleet_and_a_lone_robot_have_different_records() -> None:

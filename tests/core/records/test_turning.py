@@ -14,6 +14,7 @@ from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import write_arrays
 from warehouse_core.records import FleetRecorder
 from warehouse_core.records.arrays import pack, schema_of, unpack
+from warehouse_core.world.actions import INVALID
 
 
 class Turners:
@@ -45,10 +46,10 @@ def test_a_record_has_the_headings_and_is_replayed_and_stored_whole(tmp_path: Pa
     )})  # fmt: skip
     env.reset(seed=4)
     assert episode.headings[0].tolist() == env.headings
-    for step, words in enumerate(episode.words):
-        env.step(words)
+    for step, actions in enumerate(episode.actions):
+        env.step(actions)
         assert episode.headings[step + 1].tolist() == env.headings
-    assert {"FORWARD", "LEFT", "N", 6} < {word for words in episode.words for word in words}
+    assert {0, 1, INVALID} < {*episode.actions.ravel().tolist()}
     assert replay_episode(episode) == episode
     episode.save(tmp_path / "turns.npz")
     assert Episode.load(tmp_path / "turns.npz") == episode

@@ -20,7 +20,7 @@ from PIL import Image, ImageSequence
 from warehouse_core.errors import FormatError
 from warehouse_core.viz import export
 from warehouse_core.viz.export import FORMATS, mp4_frames, progress_bar
-from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.viz.figure import SceneFigure, save_svg
 from warehouse_core.viz.gif_writer import GifWriter, indexed
 from warehouse_core.viz.pixel_box import PixelBox
 
@@ -40,7 +40,9 @@ def films(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("films")
     for suffix in FORMATS:
         saved(folder, suffix)
-    replay_of(short_episode()).save(folder / "still.svg", still=True)
+    replay = replay_of(short_episode())
+    replay.show_still()
+    save_svg(replay.figure, folder / "still.svg")
     return folder
 
 

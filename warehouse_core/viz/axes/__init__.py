@@ -10,8 +10,6 @@ from matplotlib.collections import LineCollection
 from warehouse_core.render.palette import COLORS, FAINT
 from warehouse_core.world.tiles import EMPTY
 
-__all__ = ["box_in", "draw_grid", "style_chart"]
-
 POINTS = 72
 """Points in an inch."""
 
@@ -33,14 +31,6 @@ def draw_grid(
     Every row and column whose number is a multiple of ``every`` is labelled. The size of the labels
     (``label_size``), their distance from the grid (``pad``) and the width of the lines between
     cells are in points. A line width of 0 draws no lines.
-
-    Example:
-        >>> import matplotlib.pyplot as plt
-        >>> from warehouse_core.viz.axes import draw_grid
-        >>> figure, axes = plt.subplots()
-        >>> draw_grid(axes, (7, 12), every=2, line_width=0.5)
-        >>> [label.get_text() for label in axes.get_yticklabels()]
-        ['0', '2', '4', '6']
     """
     height, width = size
     axes.set(xlim=(0, width), ylim=(height, 0), facecolor=COLORS[EMPTY])
@@ -60,14 +50,7 @@ def draw_grid(
 def box_in(
     size: tuple[float, float], left: float, top: float, width: float, height: float
 ) -> tuple[float, float, float, float]:
-    """Return a box, given from the top left corner, in the format of ``Figure.add_axes``.
-
-    Example:
-        >>> import matplotlib.pyplot as plt
-        >>> from warehouse_core.viz.axes import box_in
-        >>> figure = plt.figure(figsize=(4, 2))
-        >>> axes = figure.add_axes(box_in((4, 2), left=1, top=0.5, width=2, height=1))
-    """
+    """Return a box, given from the top left corner, in the format of ``Figure.add_axes``."""
     whole_width, whole_height = size
     return (
         left / whole_width,
@@ -78,14 +61,7 @@ def box_in(
 
 
 def style_chart(axes: Axes, lines: Literal["both", "x", "y"] = "both") -> None:
-    """Style a chart: no frame at the top and right, small numbers, and faint grid lines.
-
-    Example:
-        >>> import matplotlib.pyplot as plt
-        >>> from warehouse_core.viz.axes import style_chart
-        >>> figure, axes = plt.subplots()
-        >>> style_chart(axes, lines="y")
-    """
+    """Style a chart: no frame at the top and right, small numbers, and faint grid lines."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=SMALLEST)
     axes.grid(axis=lines, color=FAINT, linewidth=0.5)

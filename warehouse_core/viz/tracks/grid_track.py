@@ -8,6 +8,9 @@ from collections.abc import Mapping, Sequence
 from warehouse_core.viz.tracks.track import METRICS, Frame, Pose, TileRows, Track, middle
 from warehouse_core.world.tiles import ALLOWED_TILES, EMPTY, ROBOT_EMPTY, ROBOT_LOADED, TILES
 
+SIGNS = {*TILES, ROBOT_EMPTY, ROBOT_LOADED}
+"""Characters of frames."""
+
 
 def track_of_frames(
     frames: Sequence[Sequence[Sequence[str]]],
@@ -49,23 +52,20 @@ def track_of_frames(
 
 def _check_grids(grids: list[list[str]]) -> None:
     for index, grid in enumerate(grids):
+        if not grid:
+            raise ValueError(f"frame {index} has no rows")
         for row, line in enumerate(grid):
             if len(grid) != len(grids[0]) or len(line) != len(grids[0][0]) or not line:
                 raise ValueError(
                     f"frame {index} has {len(grid)} rows with {len(line)} columns in row {row}; "
                     f"frame 0 has {len(grids[0])} rows of {len(grids[0][0])}"
                 )
-        if not grid:
-            raise ValueError(f"frame {index} has no rows")
-    for index, grid in enumerate(grids):
-        for row, line in enumerate(grid):
-            unknown = set(line) - {*TILES, ROBOT_EMPTY, ROBOT_LOADED}
-            if unknown:
-                col = min(map(line.index, unknown))
-                raise ValueError(
-                    f"frame {index}, row {row}, column {col}: {line[col]!r} is unknown; "
-                    f"allowed: {ALLOWED_TILES}, R and r (robot)"
-                )
+            for col, sign in enumerate(line):
+                if sign not in SIGNS:
+                    raise ValueError(
+                        f"frame {index}, row {row}, column {col}: {sign!r} is unknown; "
+                        f"allowed: {ALLOWED_TILES}, R and r (robot)"
+                    )
 
 
 def _numbers(metrics: Mapping[str, Sequence[float | None]], frames: int) -> dict[str, list[float]]:

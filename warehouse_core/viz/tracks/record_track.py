@@ -79,15 +79,15 @@ NOTHING_CARRIED = -1
 
 def track_of_record(
     record: Episode,
-    frame_seconds: float | None = FRAME_SECONDS,
+    frame_seconds: float = FRAME_SECONDS,
     plans: Sequence[StepPlans] = (),
 ) -> Track:
     """Return the track of a record.
 
     Args:
         record: record of one robot or of a fleet.
-        frame_seconds: simulated time between two frames of continuous motions; ``None`` gives one
-            frame per step, as for motions that are not continuous.
+        frame_seconds: simulated time between two frames of continuous motions. Other motions have
+            one frame per step.
         plans: plans of a fleet before each step, beginning with the first; there may be fewer plans
             than steps.
 
@@ -106,17 +106,16 @@ def track_of_record(
         True
     """
     instance_of("record", record, Episode)
-    plans, has_paths = sequence_of("plans", plans, StepPlans), bool(record.motions)
+    plans = sequence_of("plans", plans, StepPlans)
+    frame_seconds = real_number("frame_seconds", frame_seconds, above=True)
     if record.is_fleet:
         check_plans(plans, record)
+        is_continuous = bool(record.motions)
     else:
-        has_paths = any(len(motion.path) > 2 for motion in record.motions)
-    is_measured = has_paths or bool(record.drive)
-    is_continuous = has_paths and frame_seconds is not None
-    if frame_seconds is not None:
-        frame_seconds = real_number("frame_seconds", frame_seconds, above=True)
-        if has_paths:
-            _check_frames(record, frame_seconds)
+        is_continuous = any(len(motion.path) > 2 for motion in record.motions)
+    is_measured = is_continuous or bool(record.drive)
+    if is_continuous:
+        _check_frames(record, frame_seconds)
     apart = frame_seconds if is_continuous else None
     frames = [*(_fleet_frames(record, apart, plans) if record.is_fleet else _frames(record, apart))]
     settings = record.settings
@@ -286,7 +285,7 @@ def _fleet_frames(
     orders, bodies = _Orders(episode), np.hstack([episode.cells, episode.people])
     no_items = [False] * episode.people.shape[1]
     layout, rows, floor = episode.layout, episode.layout.rows, floor_of(episode)
-    used = _joules_used(episode) if episode.motions else [0.0] * (episode.steps + 1)
+    used = [0.0] * (episode.steps + 1) if frame_seconds is None else _joules_used(episode)
 
     @cache
     def pose_of(cell: int, heading: float | None, is_loaded: bool) -> Pose:
@@ -307,7 +306,7 @@ def _fleet_frames(
                 last.energy = used[step if is_complete else step - 1]
                 yield last
         else:
-            if frame_seconds is not None and episode.motions:
+            if episode.motions:
                 headings = [float(motion.path[0, 3]) for motion in episode.motions[0]]
             keys = zip(bodies[step].tolist(), headings, loaded, strict=True)
             poses = tuple([pose_of(*key) for key in keys])

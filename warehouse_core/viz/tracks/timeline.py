@@ -65,21 +65,6 @@ def ghost_of(track: Track, other: Track) -> list[Point]:
     """Return where the robot of ``other`` is in each frame of ``track``, on their common clock.
 
     Both are tracks of a single robot; see ``Timeline``. The result is meant for ``Track.ghost``.
-
-    Example:
-        >>> from agents import GreedyAgent
-        >>> from warehouse_core import WarehouseEnv, record_episode
-        >>> from warehouse_core.viz.tracks import track_of_record
-        >>> from warehouse_core.viz.tracks.timeline import ghost_of
-        >>> body, grid = (
-        ...     track_of_record(
-        ...         record_episode(WarehouseEnv(backend=backend), GreedyAgent(seed=12), seed=12)
-        ...     )
-        ...     for backend in ("physics", "grid")
-        ... )
-        >>> body.ghost = ghost_of(body, grid)
-        >>> len(body.ghost) == len(body)
-        True
     """
     in_seconds = Timeline([track, other]).in_seconds
     times = [time_of(frame, in_seconds=in_seconds) for frame in other.frames]

@@ -48,13 +48,8 @@ def test_a_drawing_that_would_be_too_large_says_what_to_do(monkeypatch: pytest.M
         animated_svg([track_of_record(short_episode())])
 
 
-def test_a_replay_is_saved_as_a_moving_drawing_or_a_still_one(tmp_path: Path) -> None:
-    replay = replay_of(short_episode(), speed=2)
-    replay.save(tmp_path / "moves.svg")
-    replay.save(tmp_path / "still.svg", still=True)
-    moves, still = (tmp_path.joinpath(f"{name}.svg").read_text() for name in ("moves", "still"))
+def test_a_replay_is_saved_as_a_moving_drawing(tmp_path: Path) -> None:
+    replay_of(short_episode(), speed=2).save(tmp_path / "moves.svg")
+    moves = (tmp_path / "moves.svg").read_text()
     assert "<animateTransform" in moves
-    assert "<animate" not in still
     assert 'dur="2.55s"' in moves, "seven frames and a rest, at twice the speed"
-    with pytest.raises(TypeError, match="still is 1"):
-        replay.save(tmp_path / "x.svg", still=1)  # type: ignore[arg-type]

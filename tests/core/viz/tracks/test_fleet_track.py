@@ -80,9 +80,8 @@ def test_an_order_is_late_from_the_step_after_its_due_time() -> None:
     assert track.ending == "all delivered"
 
 
-@pytest.mark.parametrize("frame_seconds", [0.2, None])
-def test_the_energy_is_the_sum_over_all_robots(bodies, frame_seconds) -> None:
-    track = track_of_record(bodies, frame_seconds)
+def test_the_energy_is_the_sum_over_all_robots(bodies) -> None:
+    track = track_of_record(bodies)
     used = np.concatenate([[0.0], bodies.joules.sum(axis=1).cumsum()])
     assert (bodies.joules[0] > 0).sum() > 1, "the first robot is not alone"
     for frame in track.frames:

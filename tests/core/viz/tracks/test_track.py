@@ -174,7 +174,7 @@ def straight_on(seconds: float = 2.0) -> np.ndarray:
     return np.column_stack([times, 2.5 + times / seconds, np.full(21, 1.5), np.zeros(21)])
 
 
-def continuous_track(frame_seconds: float | None = 0.5):
+def continuous_track(frame_seconds: float = 0.5):
     episode = short_episode()
     contact = Contact(1.0, 28.4, (3.5, 1.5), "wall")
     moving = episode.motions[3]._replace(
