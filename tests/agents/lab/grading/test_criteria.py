@@ -133,6 +133,7 @@ def test_a_visible_episode_is_shown_before_a_worse_hidden_one() -> None:
     assert judged(both, GOOD, hidden, LOST).worst == "oscillation: It went to and fro."
     found = judged(both, GOOD, hidden)
     assert (found.worst, found.command) == ("fails: ValueError (a hidden episode)", "")
+    assert judged(both, GOOD, LOST._replace(case=HIDDEN)).worst == "oscillation (a hidden episode)"
 
 
 def test_without_any_points_for_what_a_criterion_needs_it_gives_none() -> None:

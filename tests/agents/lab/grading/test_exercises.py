@@ -15,7 +15,6 @@ from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import (
     SOLUTIONS,
     Rubric,
-    find_rubric,
     load_rubric,
     own_rubrics,
 )
@@ -45,7 +44,7 @@ def written(source: str, folder: Path) -> Submission:
 
 
 def load(exercise: str) -> Rubric:
-    return load_rubric(find_rubric(Path(exercise)))
+    return load_rubric(own_rubrics()[exercise])
 
 
 def solution(name: str) -> str:
@@ -108,8 +107,7 @@ def test_neither_our_agents_nor_our_solutions_are_answers(tmp_path: Path) -> Non
         report = grade(written(source, tmp_path), load("exercise-13"))
         assert report.points == 0
         assert report.failure.startswith("cannot be loaded: ")
-    rubrics = [load_rubric(find_rubric(Path(name))) for name in NAMES]
-    assert all(rubric.limits.deny_imports == ("agents",) for rubric in rubrics)
+    assert all(load(name).limits.deny_imports == ("agents",) for name in NAMES)
 
 
 def test_there_are_exercises_for_every_measure_that_the_mini_lab_does_not_have() -> None:

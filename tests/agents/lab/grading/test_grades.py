@@ -1,7 +1,6 @@
 """Tables of grades: reading, errors, summaries, and files for Moodle and Canvas."""
 
 import csv
-import os
 from pathlib import Path
 
 import pytest
@@ -9,7 +8,6 @@ from helpers.submissions import write_rubric
 
 from agents.errors import GradeError
 from agents.lab.grading.grades import (
-    MAX_BYTES,
     POINTS,
     failed_row,
     load_days,
@@ -43,34 +41,17 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
     [
         ("", "the column 'submission' is missing"),
         (HEAD.replace("failure,", ""), "the column 'failure' is missing"),
-        (f"{HEAD}{',x' * 1000}", "1,007 columns are more than MAX_COLUMNS = 1000"),
-        (f"{HEAD}\n\nann,1,30,10,,c,r\nbob,2,30,10,,c\n", "line 4: 6 fields, not 7"),
-        (f"{HEAD}\nann,1,30,10,,c,r,more\n", "line 2: 8 fields, not 7"),
         (f"{HEAD}\nann,many,30,10,,c,r\n", "line 2: points is 'many'; allowed: a number"),
-        (f"{HEAD}\nann,nan,30,10,,c,r\n", "line 2: points is 'nan'; allowed: a number"),
-        (f'{HEAD}\n"ann', "unexpected end of data"),
-        (f"{HEAD}\n\udcff", "can't decode byte 0xff"),
     ],
 )
 def test_another_file_is_refused_and_stays(tmp_path: Path, text: str, reason: str) -> None:
     path = tmp_path / "grades.csv"
-    path.write_bytes(text.encode(errors="surrogateescape"))
+    path.write_text(text)
     with pytest.raises(GradeError) as caught:
         load_grades(path)
     line = str(caught.value)
     assert line.startswith(f"{path}: not a table of grades: ")
     assert reason in line
-
-
-def test_a_table_that_is_too_long_or_no_file_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "grades.csv"
-    path.write_bytes(b"x" * (MAX_BYTES + 1))
-    with pytest.raises(OSError, match="it is longer than 5,000,000 bytes"):
-        load_grades(path)
-    path.unlink()
-    os.mkfifo(path)
-    with pytest.raises(OSError, match="it is a pipe, not a file"):
-        load_grades(path)
 
 
 def test_a_table_of_days_is_read_and_another_one_refused(tmp_path: Path) -> None:
@@ -80,9 +61,6 @@ def test_a_table_of_days_is_read_and_another_one_refused(tmp_path: Path) -> None
     for text, reason in {
         "submission\nann": "the column 'days' is missing",
         "submission,days\nann,-1": "line 2: days is '-1'; allowed: a whole number from 0 to 3650",
-        "submission,days\nann,\u00b2": "line 2: days is",
-        "submission,days\nann": "line 2: 1 field, not 2",
-        f"submission,days\nann,{'9' * 5000}": "line 2: days is '99999999999999999999'; allowed",
     }.items():
         path.write_text(text, encoding="utf-8")
         with pytest.raises(GradeError, match="not a table of late submissions") as caught:

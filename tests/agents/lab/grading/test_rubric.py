@@ -1,6 +1,5 @@
 """Rubrics: errors, points and digests."""
 
-import os
 from dataclasses import fields
 from pathlib import Path
 
@@ -14,7 +13,6 @@ from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import CASE, LIMITS, MINI_LAB, LateRule, load_rubric
 from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.grading.submissions import find_submission
-from agents.lab.toml_text import MAX_BYTES
 
 
 @pytest.mark.parametrize(
@@ -26,7 +24,6 @@ from agents.lab.toml_text import MAX_BYTES
         ("[limits]", "[limit]", "there is no key 'limit'; allowed: title, limits"),
         ('title = "A short rubric"', "title = 1", "rubric.toml: title is 1; allowed: a name of at"),
         ("memory_mb = 512", "memory = 512", "[limits]: there is no key 'memory'; allowed: start"),
-        ("memory_mb = 512", "memory_mb = 1", "[limits]: memory_mb is 1; allowed: a whole"),
         ("episodes = 4", "episodes = 0", "[cases.chapter]: episodes is 0; allowed: a"),
         ("episodes = 4", "size = [7, 9]", '[cases.chapter]: size needs layout = "random"'),
         ("episodes = 4", "start = [0, 0]", "[cases.chapter]: layout: start_pos row 0, column 0"),
@@ -54,14 +51,6 @@ def test_a_wrong_rubric_is_refused_with_the_table_the_key_and_what_is_allowed(
     assert str(error.value).startswith(str(file))
     assert message in str(error.value)
     assert "\n" not in str(error.value)
-
-
-def test_a_rubric_that_is_too_long_or_no_file_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "long.toml").write_bytes(b"#" * (MAX_BYTES + 1))
-    os.mkfifo(tmp_path / "pipe.toml")
-    for name, kind in (("long", "it is longer than 100,000 bytes"), ("pipe", "it is a pipe")):
-        with pytest.raises(OSError, match=kind):
-            load_rubric(tmp_path / f"{name}.toml")
 
 
 def test_a_criterion_without_any_episode_is_refused(tmp_path: Path) -> None:

@@ -113,12 +113,6 @@ class Agent:
     assert not re.search("7712|robot_pos|--seed", text)
 
 
-def test_what_hidden_episodes_end_with_is_told_without_places(tmp_path: Path) -> None:
-    report = grade(find_submission("reflex"), load_rubric(write_rubric(tmp_path, HIDDEN)))
-    assert report.grades[0].worst == "oscillation (a hidden episode)"
-    assert not report.grades[0].command
-
-
 def test_the_answers_of_an_episode_have_a_limit_together(tmp_path: Path) -> None:
     """Otherwise an agent could use the limit of one answer 60 times."""
     rubric = RUBRIC.replace("episode_seconds = 3.0", "episode_seconds = 0.5")
