@@ -173,7 +173,7 @@ def grade(
     limits = rubric.limits
     with (
         submission.private(user, rubric.files) as own,
-        make_runner(own, limits, user, rubric.files) as runner,
+        make_runner(own, limits, user) as runner,
     ):
         runs = run_cases(runner, cases, limits.give_up_after, advance)
     return judge(submission, rubric, runs, late)

@@ -20,7 +20,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic
@@ -245,31 +245,27 @@ class Sandbox:
         limits: limits on the agent.
         user: user that runs the agent. Only root may choose another user; ``None`` is the current
             user.
-        secrets: files that the agent must not read, even if they are in its folder.
 
     Raises:
         GradeError: the system cannot run agents, or the user cannot be chosen.
     """
 
     def __init__(
-        self,
-        submission: Submission,
-        limits: AgentLimits,
-        user: str | None = None,
-        secrets: Iterable[Path] = (),
+        self, submission: Submission, limits: AgentLimits, user: str | None = None
     ) -> None:
         if sys.platform == "win32":
             raise GradeError("agents are graded on Linux and macOS; on Windows, use WSL")
         if submission.is_built_in:  # its package may be denied to other agents
             limits = limits._replace(allow_imports=None, deny_imports=())
         self._submission, self._limits = submission, limits
-        readable, listable = _files_of(submission, secrets, limits.deny_imports)
+        packages = [name for name in programs.OWN if name not in limits.deny_imports]
+        files = [submission.folder or submission.file, *map(programs.ROOT.joinpath, packages)]
         self._bounds = {
             "user": None if user is None else _ids_of(user),
             "walls": sorted(walls.enforced()),
             "own": str(programs.ROOT),
-            "readable": readable,
-            "listed": listable,
+            "readable": [str(each) for each in files if each],
+            "listed": [],
             "limits": limits.of_process(),
             "denied": [
                 str(programs.ROOT.joinpath(*name.split("."))) for name in limits.deny_imports
@@ -381,24 +377,6 @@ class Sandbox:
             self._server = None
             if code < 0:
                 child.kill_strays(self._children)
-
-
-def _files_of(
-    submission: Submission, secrets: Iterable[Path], denied: Collection[str]
-) -> tuple[list[str], list[str]]:
-    """Return the files and folders that an agent may read, and the folders that it may list."""
-    own = [str(programs.ROOT / name) for name in programs.OWN if name not in denied]
-    folder = submission.folder
-    if folder is None:
-        return [*own, str(submission.file)], []
-    hidden = [each for each in map(Path.resolve, secrets) if each.is_relative_to(folder)]
-    if not hidden:
-        return [*own, str(folder)], []
-    readable = [
-        str(path) for path in folder.iterdir()
-        if not path.is_symlink() and not any(each.is_relative_to(path) for each in hidden)
-    ]  # fmt: skip
-    return [*own, *readable], [str(folder)]
 
 
 def _ids_of(user: str) -> tuple[int, int]:

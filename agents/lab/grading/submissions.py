@@ -27,7 +27,7 @@ from agents.lab.grading.archives import (
     unpack,
 )
 from agents.lab.grading.students import Student, students_in
-from agents.lab.runs.programs import digest_of, fingerprint
+from agents.lab.runs.programs import digest_of
 from warehouse_core.files.reading import not_a_file
 from warehouse_core.wording import listed
 
@@ -69,14 +69,15 @@ class Submission(NamedTuple):
 
     Attributes:
         name: the typed name; in a folder, the name of the entry that has the agent.
-        shown: file or module as it was typed, for use in commands.
-        file: file of the agent, relative to the archive if there is one; ``None`` for a module.
-        module: name of the file without its suffix, or of the module.
+        shown: file as it was typed, for use in commands, or name of a built-in agent.
+        file: file of the agent, relative to the archive if there is one; ``None`` for a built-in
+            agent.
+        module: name of the file without its suffix, or of the module of a built-in agent.
         kind: name of the class; ``None`` for the only class with ``reset`` and ``act``.
         folder: folder in which the process runs and from which it imports first; ``None`` for a
-            file that is graded alone.
-        digest: digest of the code. It covers the file; or all files of the submission if it is a
-            folder; or the module and what it imports from its package. "" for a built-in agent.
+            file that is graded alone and for a built-in agent.
+        digest: digest of the file, or of all files of the submission if it is a folder; "" for a
+            built-in agent.
         imports: modules that are imported once, because they contain no code of the submission.
         archive: archive that ``private`` unpacks, or ``None``.
         files: files that ``private`` copies, each with its place in the copy.
@@ -104,10 +105,9 @@ class Submission(NamedTuple):
     @property
     def paths(self) -> list[str]:
         """Folders from which the process imports first."""
-        if self.folder is None:
+        if self.folder is None or self.file is None:
             return []
-        own = self.folder if self.file is None else self.file.parent
-        return list(dict.fromkeys([str(own), str(self.folder)]))
+        return list(dict.fromkeys([str(self.file.parent), str(self.folder)]))
 
     @contextmanager
     def private(self, user: str | None, hidden: Collection[Path] = ()) -> Iterator[Submission]:
@@ -115,8 +115,7 @@ class Submission(NamedTuple):
 
         The folder has only files of the submission. All of them have the same dates, and reading
         them does not change the dates, so that no process of the agent can leave a sign for the
-        next one. A module, or a file in a folder that exceeds ``MAX_FILES`` or ``MAX_BYTES``, stays
-        where it is.
+        next one. A built-in agent needs no folder.
 
         Args:
             user: user that runs the agent and must be able to read the files, or ``None``.
@@ -126,7 +125,7 @@ class Submission(NamedTuple):
             AgentError: the archive cannot be unpacked.
             OSError: a file cannot be copied.
         """
-        if self.file is None or not (self.files or self.archive):
+        if self.file is None:
             yield self
             return
         with TemporaryDirectory(prefix="warehouse-") as name:
@@ -151,7 +150,7 @@ class Submission(NamedTuple):
     @property
     def is_built_in(self) -> bool:
         """Whether the agent is part of this program."""
-        return self.file is None and self.shown != self.module
+        return self.file is None
 
 
 class Unusable(NamedTuple):
@@ -163,7 +162,7 @@ class Unusable(NamedTuple):
 
 
 def find_submission(name: str) -> Submission:
-    """Return the submission named ``file.py:Class``, ``file.py``, ``module:Class``, or built-in.
+    """Return the submission named ``file.py:Class``, ``file.py``, or like a built-in agent.
 
     The file may also be a notebook or an archive.
 
@@ -181,10 +180,7 @@ def find_submission(name: str) -> Submission:
     if options:
         raise AgentError(f"agent {name!r}: graded agents take no arguments; given: {options}")
     if not source.lower().endswith(SUFFIXES):
-        if kind is None:
-            return _built_in(name)
-        code = fingerprint(None, source) or ""
-        return Submission(name, source, None, source, kind, Path.cwd(), code)
+        return _built_in(name)
     file = Path(source)
     try:
         if not file.is_file():
@@ -345,7 +341,7 @@ def _of_files(
     kind: str | None,
     files: Mapping[PurePath, Path],
     folder: Path | None,
-    nearby: Iterable[PurePath] = (),
+    nearby: Mapping[PurePath, Path] | None = None,
 ) -> Submission:
     """Return the submission in some files.
 
@@ -356,30 +352,32 @@ def _of_files(
         kind: name of the class, or ``None``.
         files: files of the submission by their places in the private copy.
         folder: folder from which the agent may import, or ``None``.
-        nearby: all that the agent may import, or () for the files.
+        nearby: further files that are copied, but not part of the digest.
     """
-    path = files[inner]
+    path, own = files[inner], dict(files)
     if _is_too_large(files.values()):
         raise AgentError(f"it has more than {MAX_FILES:,} files or {MAX_BYTES // 1024**2:,} MiB")
+    _add(own, nearby or {})
     regular = (file for file in files.values() if file.is_file() and not file.is_symlink())
     digest = digest_of(regular, folder or path.parent, _content_digest)
     with path.open("rb") as source:
         text = source.read(MAX_SOURCE)
-    once = _imported_once(text, nearby or (() if folder is None else files))
-    own = tuple((file, place) for place, file in files.items())
-    return Submission(name, str(shown), path, inner.stem, kind, folder, digest, once, files=own)
+    once = _imported_once(text, () if folder is None else own)
+    copied = tuple((file, place) for place, file in own.items())
+    return Submission(name, str(shown), path, inner.stem, kind, folder, digest, once, files=copied)
 
 
 def _of_file(name: str, file: Path, kind: str | None) -> Submission:
-    """Return the submission in a file that may import and read what lies next to it."""
+    """Return the submission in a file that may import and read what lies next to it.
+
+    If there is too much, it may import the code in its folder.
+    """
     folder, place = file.resolve().parent, place_of(PurePath(file.name))
-    near, placed = files_in(folder), {place: folder / file.name}
-    nearby = map(PurePath, os.listdir(folder))
-    submission = _of_files(name, file, place, kind, placed, folder, nearby)
+    near, path = files_in(folder), folder / file.name
     if _is_too_large(near):
-        return submission._replace(files=())
-    _add(placed, {each.relative_to(folder): each for each in near if each != submission.file})
-    return submission._replace(files=tuple((each, place) for place, each in placed.items()))
+        near = [each for each in folder.glob(f"*{CODE}") if not _is_too_large([each])][:MAX_FILES]
+    nearby = {PurePath(each.relative_to(folder)): each for each in near if each != path}
+    return _of_files(name, file, place, kind, {place: path}, folder, nearby)
 
 
 def _imported_once(text: bytes, files: Iterable[PurePath]) -> tuple[str, ...]:
@@ -405,7 +403,7 @@ def _built_in(name: str) -> Submission:
         reason = "needs the map, which graded agents do not get" if made else "is not an agent"
         raise AgentError(f"{name!r} {reason}; allowed: {', '.join(graded)}, or file.py:Class")
     module = made.__module__
-    return Submission(name, name, None, module, made.__name__, Path.cwd(), "", (module,))
+    return Submission(name, name, None, module, made.__name__, None, "", (module,))
 
 
 def _content_digest(file: Path) -> str:

@@ -1,6 +1,7 @@
 """Measures: their points, words and worst episode."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -33,7 +34,7 @@ def judged(criterion: Criterion, *runs: Run) -> Grade:
 def report_of(criteria: Sequence[Criterion], *runs: Run) -> GradeReport:
     numbered = [run._replace(seed=seed) for seed, run in enumerate(runs, 1)]
     rubric = SimpleNamespace(criteria=criteria, title="A title", digest="r", late=LateRule())
-    submission = Submission("mine", "mine", None, "mine", None, None, "c")
+    submission = Submission("mine", "mine", Path("mine"), "mine", None, None, "c")
     return judge(submission, cast("Rubric", rubric), numbered)
 
 
