@@ -28,15 +28,12 @@ from warehouse_core import Episode
 from warehouse_core.errors import FormatError
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.motion.base import NOTHING, WALL_CONTACT, Contact, centre_of, robot_contact
-from warehouse_core.motion.base import WALL as BY_WALL
-from warehouse_core.motion.grid import NOMINAL_KG, NOMINAL_SECONDS
+from warehouse_core.motion.base import Contact, robot_contact
 from warehouse_core.render.palette import COLORS, HIT, INK, Color
 from warehouse_core.viz.export import progress_bar
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Frame, Pose
 from warehouse_core.wording import printable
-from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import (
     CHARGER,
@@ -72,14 +69,6 @@ SCHEMA_OF = {
     ENERGY: "warehouse.Energy",
 }
 """Name of the schema for each topic."""
-
-MEANINGS = {
-    **dict.fromkeys("xy", "m, in the frame 'warehouse'"),
-    "impulse": "N s",
-    "joules": "energy that each robot has used so far",
-    "battery": "battery units that each robot has left",
-}
-"""Descriptions of the fields in this project's own messages."""
 
 HEIGHTS = {WALL: 0.5, PICKUP: 0.02, DROPOFF: 0.02, CHARGER: 0.02}
 """Height of each tile on the floor, in cells like the other sizes below."""
@@ -144,35 +133,14 @@ def entries(record: Episode) -> Iterator[Entry]:
 def contacts_of(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:
     """Yield the number of the body and the contact for each contact in a step; step 0 has none.
 
-    Bodies are numbered with the robots first and then the people, also as counterparts.
+    Bodies are numbered with the robots first and then the people, also as counterparts. The record
+    of a fleet on the grid has no contacts.
     """
-    if step == 0:
-        return
-    if not record.motions:
-        yield from _nominal(record, step - 1)
-        return
-    motions = record.motions[step - 1]
-    for body, motion in enumerate(motions if record.is_fleet else (motions,)):
-        for contact in motion.contacts:
-            yield body, contact
-
-
-def _nominal(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:
-    """Yield the nominal contacts on the grid, which the record of a fleet does not store."""
-    size, actions = record.cell_size, record.counted_actions(step)
-    for robot in np.flatnonzero(record.stopped_by[step] != NOTHING).tolist():
-        by = int(record.stopped_by[step, robot])
-        down, right = DISPLACEMENTS[actions[robot]]
-        x, y = centre_of(record.layout.cell(record.cells[step, robot]), size)
-        yield (
-            robot,
-            Contact(
-                NOMINAL_SECONDS / 2,
-                NOMINAL_KG * size / NOMINAL_SECONDS,
-                (x + right * size / 2, y + down * size / 2),
-                WALL_CONTACT if by == BY_WALL else robot_contact(by),
-            ),
-        )
+    if step and record.motions:
+        motions = record.motions[step - 1]
+        for body, motion in enumerate(motions if record.is_fleet else (motions,)):
+            for contact in motion.contacts:
+                yield body, contact
 
 
 class _Recording:
@@ -229,12 +197,9 @@ class _Recording:
 
 def _about(record: Episode) -> dict[str, str]:
     """Return the metadata of an episode."""
-    about = {
-        "agent": record.agent,
-        "backend": record.backend,
-        "seed": "" if record.seed is None else str(record.seed),
-        "outcome": record.outcome,
-    }
+    seed = "" if record.seed is None else str(record.seed)
+    about = {"agent": record.agent, "backend": record.backend, "seed": seed,
+             "outcome": record.outcome}  # fmt: skip
     return {name: printable(text) for name, text in about.items()}
 
 
@@ -300,23 +265,17 @@ def contact_message(time: int, robot: str, counterpart: str, contact: Contact) -
     """Return the message about a contact between a robot and a counterpart."""
     x, y = contact.point
     return {
-        "timestamp": stamp(time),
-        "robot": robot,
-        "counterpart": counterpart,
-        "impulse": _number(contact.impulse),
-        "x": _number(x),
-        "y": _number(-y),
-    }
+        "timestamp": stamp(time), "robot": robot, "counterpart": counterpart,
+        "impulse": _number(contact.impulse), "x": _number(x), "y": _number(-y),
+    }  # fmt: skip
 
 
 def energy_message(time: int, step: int, joules: list[float], battery: list[float]) -> Message:
     """Return the message about each robot's used energy and remaining battery after a step."""
     return {
-        "timestamp": stamp(time),
-        "step": step,
-        "joules": [_number(value) for value in joules],
-        "battery": [_number(value) for value in battery],
-    }
+        "timestamp": stamp(time), "step": step,
+        "joules": list(map(_number, joules)), "battery": list(map(_number, battery)),
+    }  # fmt: skip
 
 
 def _body(time: int, name: str, loaded: bool | None, size: float) -> Message:
@@ -327,12 +286,10 @@ def _body(time: int, name: str, loaded: bool | None, size: float) -> Message:
     cylinder = {**disc, "bottom_scale": 1, "top_scale": 1}
     arrow = {
         "pose": {"position": _vector(0, 0, tall), "orientation": _turned(0)},
-        "shaft_length": _number(nose / 2),
-        "shaft_diameter": _number(nose / 4),
-        "head_length": _number(nose / 2),
-        "head_diameter": _number(nose / 2),
+        "shaft_length": _number(nose / 2), "shaft_diameter": _number(nose / 4),
+        "head_length": _number(nose / 2), "head_diameter": _number(nose / 2),
         "color": _color(INK),
-    }
+    }  # fmt: skip
     return _entity(time, name, name, locked=True, cylinders=[cylinder], arrows=[arrow])
 
 
@@ -344,15 +301,9 @@ def _entity(
     time: int, frame: str, name: str, *, lifetime: int = 0, locked: bool = False, **shapes: Any
 ) -> Message:
     return {
-        "timestamp": stamp(time),
-        "frame_id": frame,
-        "id": name,
-        "lifetime": stamp(lifetime),
-        "frame_locked": locked,
-        "metadata": [],
-        **{kind: [] for kind in SHAPES},
-        **shapes,
-    }
+        "timestamp": stamp(time), "frame_id": frame, "id": name, "lifetime": stamp(lifetime),
+        "frame_locked": locked, "metadata": [], **{kind: [] for kind in SHAPES}, **shapes,
+    }  # fmt: skip
 
 
 def _box(x: float, y: float, z: float, sides: tuple[float, ...], color: Color) -> Message:
@@ -390,12 +341,7 @@ def schemas() -> dict[str, Message]:
         SCHEMA_OF[CONTACTS]: contact,
         SCHEMA_OF[ENERGY]: energy_message(0, 0, [0], [0]),
     }
-    found = {name: schema_of(example) for name, example in examples.items()}
-    for name in (SCHEMA_OF[CONTACTS], SCHEMA_OF[ENERGY]):
-        for field, schema in found[name]["properties"].items():
-            if field in MEANINGS:
-                schema["description"] = MEANINGS[field]
-    return found
+    return {name: schema_of(example) for name, example in examples.items()}
 
 
 def schema_of(value: Any, name: str = "") -> Message:

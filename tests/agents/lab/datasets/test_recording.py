@@ -49,8 +49,8 @@ def lone(backend: str) -> Episode:
     return recorder.episode
 
 
-def crowd() -> FleetEpisode:
-    env = FleetEnv(SHELVES, 6, orders=0.5, people=2, max_steps=40, battery=90)
+def crowd(backend: str = "grid") -> FleetEpisode:
+    env = FleetEnv(SHELVES, 6, orders=0.5, people=2, max_steps=40, battery=90, backend=backend)
     recorder, agent = FleetRecorder(env, seed=3), Couriers()
     agent.reset()
     while not recorder.ended:
@@ -112,7 +112,7 @@ def test_a_file_has_the_messages_of_its_record(tmp_path: Path, make: Callable[[]
 
 
 def test_messages_have_the_fields_of_their_schemas(tmp_path: Path) -> None:
-    messages, schemas, _ = saved(tmp_path, crowd())
+    messages, schemas, _ = saved(tmp_path, crowd("physics"))
     assert messages.keys() == {"/layout", "/bodies", "/tf", "/hits", "/contacts", "/energy"}
     for _, message in messages["/bodies"]:
         assert len(message["entities"]) == 8, "of all, so that one message says it all"
