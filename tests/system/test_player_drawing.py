@@ -195,7 +195,7 @@ def test_robots_of_a_fleet_show_their_items_age_and_an_empty_battery(opened, fil
     for step, is_late in ((0, True), (2, False)):
         page.seek(step)
         assert (page.share(late, cell(2, 4)) > 0.03) == is_late
-        assert page.part("order").inner_text() == ("loaded" if is_late else "")
+        assert page.part("load").inner_text() == ("loaded" if is_late else "empty")
     assert page.share(to_hex(STRANDED), cell(2, 4)) > 0.1, "it is stranded"
     assert page.share(EMPTY_COLOR, cell(0, 3)) > 0.1
     assert page.share(EMPTY_COLOR, cell(0, 1)) == 0

@@ -132,7 +132,7 @@ def pibt() -> Demo:
     pushes = sum(len(plans.pushers) for plans in log.plans)
     result = f"{counted(episode.robots, 'robot')} push {pushes} times in {episode.steps} steps"
     track = track_of_record(episode, plans=log.plans)
-    track.metrics, track.orders = {}, None
+    track.metrics = {}
     return Demo(result, [_titled(track, f"PIBT: {result}; arrows show who pushes whom")])
 
 

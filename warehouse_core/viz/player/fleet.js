@@ -3,7 +3,7 @@
 import { kept } from "./canvas.js";
 import { copy, partOf, setText } from "./elements.js";
 import { heatOf, highestOf, mapOf } from "./floor.js";
-import { shown, stepsOf } from "./scale.js";
+import { shown } from "./scale.js";
 import { heldUpUntil } from "./track.js";
 
 export class FleetPanel {
@@ -58,44 +58,6 @@ export class FleetPanel {
     const level = track.batteryLevel(robot, moment.frame);
     setText(this.find("battery"), level > 0 ? `${shown(100 * level, 0)}%` : "empty");
     setText(this.find("where"), `row ${Math.floor(pose.y)}, column ${Math.floor(pose.x)}`);
-    setText(this.find("order"), this.orderWords(robot, moment));
+    setText(this.find("load"), track.isLoaded(robot, moment.frame) ? "loaded" : "empty");
   }
-
-  orderWords(robot, { frame, step }) {
-    const { track } = this;
-    if (!track.fleet.orders) return track.isLoaded(robot, frame) ? "loaded" : "";
-    const { orders } = track.fleet;
-    const order = orderOf(track.fleet, robot, step);
-    if (order < 0) return "none";
-    const [words, goals] = isTaken(orders, order, step)
-      ? ["carried to", orders.dropoff]
-      : ["to be picked up at", orders.pickup];
-    const due = orders.due[order] - step;
-    const time = due >= 0 ? `due in ${stepsOf(due)}` : `${stepsOf(-due)} late`;
-    return `${order}, ${words} ${this.cellWords(goals[order])}, ${time}`;
-  }
-
-  cellWords(cell) {
-    return `(${this.track.rowAndColumn(cell).join(", ")})`;
-  }
-}
-
-/** Return whether an order has been picked up after a step. */
-function isTaken(orders, order, step) {
-  return isPast(orders.taken[order], step);
-}
-
-/** Return whether something that happens at step `at`, or never if it is -1, has happened after a step. */
-function isPast(at, step) {
-  return at >= 0 && at <= step;
-}
-
-/** Return the order that a robot carries or is assigned to after a step, or -1. */
-export function orderOf({ orders, assigned }, robot, step) {
-  const carried = Array.from(orders.taken.keys()).find((order) =>
-    orders.takenBy[order] === robot && isTaken(orders, order, step) && !isPast(orders.delivered[order], step));
-  if (carried !== undefined) return carried;
-  const last = assigned.robot.findLastIndex((each, i) => each === robot && assigned.step[i] <= step);
-  const order = assigned.order[last] ?? -1;
-  return order < 0 || isTaken(orders, order, step) ? -1 : order;
 }

@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from warehouse_core.orders.order import Order
 from warehouse_core.render.palette import hex_color
 from warehouse_core.viz.tracks.series import series_of
 from warehouse_core.viz.tracks.signs import look_of, signs_of
@@ -317,21 +316,6 @@ def _fleet(track: Track, robots: int, columns: Columns) -> dict[str, Any]:
         "pushes": columns.table("frame robot pusher", pushes),
         "waiting": columns.table("step cell number age", waiting),
         "heldUp": columns.table("step cell", held_up),
-        **({} if track.orders is None else _orders(track, track.orders, width, columns)),
-    }
-
-
-def _orders(track: Track, orders: Sequence[Order], width: int, columns: Columns) -> dict[str, Any]:
-    rows = [
-        (
-            order.due, order.taken, order.taken_by, order.delivered,
-            _number(order.pickup, width), _number(order.dropoff, width),
-        )
-        for order in orders
-    ]  # fmt: skip
-    return {
-        "orders": columns.table("due taken takenBy delivered pickup dropoff", rows),
-        "assigned": columns.table("step robot order", track.assignments),
     }
 
 

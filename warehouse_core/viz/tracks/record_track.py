@@ -135,7 +135,6 @@ def track_of_record(
         track.metrics, track.lateness = _fleet_metrics(record), _lateness(record)
         if not is_measured:
             del track.metrics["joules"]
-        track.orders, track.assignments = record.orders, record.assignments
         steps, robots = np.nonzero(held_up(record))
         cells = map(record.layout.cell, record.cells[steps, robots].tolist())
         track.held_up = [*zip((steps + 1).tolist(), cells, strict=True)]

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from itertools import accumulate
 from typing import NamedTuple
 
-from warehouse_core.orders.order import Order
 from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.render.palette import LOOK, Color
@@ -219,8 +218,6 @@ class Track:
         ending: outcome, shown with the last frame.
         lateness: step of each delivery of a fleet, and its lateness in steps, which is negative
             if the delivery was early.
-        orders: orders of a fleet; ``None`` if a page does not show them.
-        assignments: step, robot and order of each assignment of these orders.
         held_up: step and cell of each time a robot of a fleet was held up, for a page.
         view_radius: number of cells that a robot sees in each direction; ``None`` if unknown.
         slippery: cells with slippery floor.
@@ -249,8 +246,6 @@ class Track:
     title: str = ""
     ending: str = ""
     lateness: Sequence[tuple[int, int]] = ()
-    orders: Sequence[Order] | None = None
-    assignments: Sequence[tuple[int, int, int | None]] = ()
     held_up: Sequence[tuple[int, Cell]] = ()
     view_radius: int | None = None
     slippery: tuple[Cell, ...] = ()
