@@ -139,7 +139,6 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     track = _track_of(frames, None, FRAME_SECONDS)
     if track is None or not _matplotlib_is_installed():
         return
-    from warehouse_core.viz.export import progress_bar
     from warehouse_core.viz.figure import make_figure, save_svg
     from warehouse_core.viz.legend import draw_legend
     from warehouse_core.viz.scene import Scene
@@ -149,12 +148,10 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     folder.mkdir(parents=True, exist_ok=True)
     track.metrics, track.is_continuous = {}, False
     scene = Scene([track], make_figure, legend=False)
-    with progress_bar(len(track), "Drawing") as report:
-        for frame in range(len(track)):
-            scene.show(frame)
-            with atomic_path(folder / f"frame_{frame:04d}.svg") as part:
-                save_svg(scene.root, part, dpi)
-            report(frame, None)
+    for frame in range(len(track)):
+        scene.show(frame)
+        with atomic_path(folder / f"frame_{frame:04d}.svg") as part:
+            save_svg(scene.root, part, dpi)
     legend = make_figure(FLEET_LEGEND_INCHES if track.is_fleet else LEGEND_INCHES)
     draw_legend(legend, [track], 6 if track.is_fleet else 5, with_characters=True)
     with atomic_path(folder / "legend.svg") as part:

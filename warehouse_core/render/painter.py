@@ -134,25 +134,18 @@ class TilePainter:
 
     def _picture(self, layout: Layout, placed: Iterable[tuple[Cell, str]]) -> Pixels:
         if layout is not self._layout:
-            self._background, self._layout = self.paint(layout_codes(layout)), layout
+            self._background, self._layout = self.paint(codes_of(layout.rows)), layout
         picture = self._background.copy()
         for (row, col), sign in placed:
             self._tile(picture, (row, col))[:] = self._atlas[CODES[layout.rows[row][col], sign]]
         return picture
 
 
-def layout_codes(layout: Layout) -> NDArray[np.uint8]:
-    """Return the codes of the tiles of a layout, ``[H, W]``.
-
-    Walls inside the layout are shelves. A border of walls is as thin as in a replay.
-    """
-    return codes_of(layout.rows)
-
-
 def codes_of(rows: Sequence[str], slippery: Iterable[Cell] = ()) -> NDArray[np.uint8]:
-    """Return the codes of rows of tiles as in ``layout_codes``, with slippery cells.
+    """Return the codes of rows of tiles, ``[H, W]``, with slippery cells.
 
-    Tiles may be ``UNSEEN``, also in a border of walls.
+    Walls inside the layout are shelves. A border of walls is as thin as in a replay. Tiles may be
+    ``UNSEEN``, also in a border of walls.
     """
     codes = np.array([[CODES[tile, NO_ROBOT] for tile in line] for line in rows], np.uint8)
     is_wall = codes == CODES[WALL, NO_ROBOT]

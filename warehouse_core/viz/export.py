@@ -1,10 +1,9 @@
-"""The file formats of replays, a progress bar, and MP4 files."""
+"""The file formats of replays, and MP4 files."""
 
 from __future__ import annotations
 
 import errno
 import os
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -15,36 +14,6 @@ from warehouse_core.extras import install_command
 
 FORMATS = (".gif", ".mp4", ".html", ".svg", ".png")
 """Suffixes of the files that a replay can be saved as."""
-
-MIN_BAR_FRAMES = 40
-"""Exports with fewer frames show no progress bar."""
-
-Progress = Callable[[int, int | None], None]
-
-
-def has_live_terminal() -> bool:
-    """Return whether standard error is a terminal on which a line can be redrawn.
-
-    Commands in the cells of a notebook also have a terminal, but it keeps everything they print.
-    """
-    return sys.stderr.isatty() and "JPY_PARENT_PID" not in os.environ
-
-
-@contextmanager
-def progress_bar(frames: int, label: str) -> Iterator[Progress]:
-    """Yield a callback for ``(frame, frames)`` that advances a progress bar on standard error.
-
-    Short exports, and programs without a live terminal, show no bar.
-    """
-    if frames < MIN_BAR_FRAMES or not has_live_terminal():
-        yield lambda frame, _: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress as Bar
-
-    with Bar(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(label, total=frames)
-        yield lambda frame, _: bar.update(task, completed=frame + 1)
 
 
 def ffmpeg() -> str:

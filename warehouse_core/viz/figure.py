@@ -158,7 +158,10 @@ class SceneFigure(Figure):
                 box = around(changed)
                 inside = box.moved(-whole.top, -whole.left).area
                 drawing[inside] = below[inside]
-                draw_within(mover, box, renderer)
+                if isinstance(mover, Shapes):
+                    mover.needed = box.bounds(renderer.height)
+                mover.draw(renderer)
+                mover.stale = False
                 layer[inside] = drawing[inside]
             self._layers[mover] = layer, getattr(mover, "shapes", ())
             below = layer
@@ -209,16 +212,6 @@ class SceneFigure(Figure):
             artist.set_animated(True)
             artist.set_visible(True)
         self.stale = False
-
-
-def draw_within(mover: Artist, box: PixelBox, renderer: Any) -> None:
-    """Draw a mover so that it is complete within a box."""
-    if isinstance(mover, Shapes):
-        mover.needed = box.bounds(renderer.height)
-    mover.draw(renderer)
-    if isinstance(mover, Shapes):
-        mover.needed = None
-    mover.stale = False
 
 
 def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:

@@ -16,7 +16,7 @@ from warehouse_core.arguments import flag, real_number
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.window import has_display
-from warehouse_core.viz.export import FORMATS, has_live_terminal, mp4_frames, progress_bar
+from warehouse_core.viz.export import FORMATS, mp4_frames
 from warehouse_core.viz.figure import make_figure, make_window
 from warehouse_core.viz.gif_writer import GifWriter
 from warehouse_core.viz.player import player_frame, save_page
@@ -151,9 +151,7 @@ class Replay(FuncAnimation):
         """
         self._leave_closed_window()
         if writer is not None:
-            with progress_bar(len(self._scene), "Drawing") as report:
-                options.setdefault("progress_callback", report)
-                super().save(str(filename), writer=writer, **options)
+            super().save(str(filename), writer=writer, **options)
             self.refresh()
             return
         suffix = check_suffix(Path(filename), FORMATS)
@@ -189,17 +187,16 @@ class Replay(FuncAnimation):
         every = max(self._gif_every, math.ceil(last / (MAX_GIF_FRAMES - 1)))
         frames = [*range(0, last, every), last]
         self._announce(len(frames), is_thinned=every > self._gif_every)
-        with progress_bar(last + 1, "Drawing") as report, path.open("wb") as file:
+        with path.open("wb") as file:
             writer = GifWriter(file, self.frame_ms * self._gif_every)
             for frame in frames:
                 self._scene.show(frame)
                 writer.add(self.figure.rgba(), self.figure.changed)
-                report(frame, None)
             writer.finish()
 
     def _announce(self, count: int, *, is_thinned: bool = False) -> None:
-        """Print how many frames will be drawn, if some are left out or no bar shows a long wait."""
-        if is_thinned or (count >= LONG and not has_live_terminal()):
+        """Print how many frames will be drawn, if some are left out or it takes long."""
+        if is_thinned or count >= LONG:
             print(
                 f"drawing {count:,} of {len(self._scene):,} frames; a page (.html) has all of them "
                 "and is written at once",
@@ -210,14 +207,10 @@ class Replay(FuncAnimation):
         figure, count = self.figure, len(self._scene)
         height, width = (side // 2 * 2 for side in figure.rgba().shape[:2])
         self._announce(count)
-        with (
-            progress_bar(count, "Drawing") as report,
-            mp4_frames(path, self.fps, width, height) as add,
-        ):
+        with mp4_frames(path, self.fps, width, height) as add:
             for frame in range(count):
                 self._scene.show(frame)
                 add(figure.rgba()[:height, :width].tobytes())
-                report(frame, None)
 
     def _repr_html_(self) -> str:
         return player_frame(self._tracks, speed=self._speed)

@@ -58,8 +58,8 @@ class Shapes(Artist):
 
     Attributes:
         shapes: shapes that it draws.
-        needed: part of the figure, in pixels, outside of which nothing needs to be drawn, or
-            ``None``.
+        needed: part of the figure, in pixels, outside of which the next ``draw`` needs to draw
+            nothing, or ``None``.
     """
 
     def __init__(self, zorder: float = 0) -> None:
@@ -94,7 +94,7 @@ class Shapes(Artist):
                 style.set_clip_rectangle(self.needed)
             renderer.draw_path(style, path, to_pixels, (*rgb_of(fill), alpha) if fill else None)
             style.restore()
-        self.stale = False
+        self.stale, self.needed = False, None
 
     def changed_since(self, drawn: Sequence[Shape]) -> Bbox | None:
         """Return the part of the figure, in pixels, that has changed since ``drawn`` was drawn."""
@@ -115,8 +115,8 @@ class Shapes(Artist):
 def changed_corners(before: Shape | None, after: Shape | None) -> Points:
     """Return the corners ``[N, 2]`` before and after a change, without unchanged polygons."""
     if not before or not after or before[1:] != after[1:]:
-        return np.concatenate([corners_of(shape) for shape in (before, after) if shape])
-    old, new = corners_of(before), corners_of(after)
+        return np.concatenate([shape.path.vertices for shape in (before, after) if shape])
+    old, new = np.asarray(before.path.vertices), np.asarray(after.path.vertices)
     codes: Any = after.path.codes
     if len(old) != len(new) or not np.array_equal(before.path.codes, codes):  # type: ignore[arg-type]
         return np.concatenate([old, new])
@@ -132,12 +132,6 @@ def changed_corners(before: Shape | None, after: Shape | None) -> Points:
 def rgb_of(color: Color | str) -> Color:
     """Return a colour, which may be given by its name."""
     return color_named(color) if isinstance(color, str) else color
-
-
-def corners_of(shape: Shape) -> Points:
-    """Return the corners of a shape, ``[N, 2]``."""
-    corners: Points = np.asarray(shape.path.vertices)
-    return corners
 
 
 def cell_of(axes: Any) -> float:

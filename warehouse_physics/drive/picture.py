@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from warehouse_core import Layout
 from warehouse_core.motion.base import Pose
 from warehouse_core.render.atlas import color_bytes
-from warehouse_core.render.painter import TilePainter, layout_codes
+from warehouse_core.render.painter import TilePainter, codes_of
 from warehouse_core.render.palette import BOARD, COLORS, INK
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED
 from warehouse_physics.profile import Floats
@@ -33,7 +33,7 @@ def picture_of(
     things: Iterable[pymunk.Shape] = (),
 ) -> NDArray[np.uint8]:
     """Return a picture ``[H, W, 3]`` of a layout with a robot at a pose, and with other shapes."""
-    picture = painter.paint(layout_codes(layout))
+    picture = painter.paint(codes_of(layout.rows))
     scale = painter.tile_pixels / spec.cell_size
     rows, columns = np.indices(picture.shape[:2])
     places = np.stack([columns + 0.5, rows + 0.5], axis=-1) / scale

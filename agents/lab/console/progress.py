@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -19,13 +21,20 @@ from rich.progress import (
 )
 
 from agents.lab.console.terminal import say
-from warehouse_core.viz.export import has_live_terminal
 from warehouse_core.wording import printable
 
 LINE_SECONDS = 60.0
 """Time between two lines of progress, used if no bar can be drawn."""
 
 Item = TypeVar("Item")
+
+
+def has_live_terminal() -> bool:
+    """Return whether standard error is a terminal on which a line can be redrawn.
+
+    Commands in the cells of a notebook also have a terminal, but it keeps everything they print.
+    """
+    return sys.stderr.isatty() and "JPY_PARENT_PID" not in os.environ
 
 
 @contextmanager

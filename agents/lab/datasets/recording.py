@@ -30,7 +30,6 @@ from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.motion.base import Contact, robot_contact
 from warehouse_core.render.palette import COLORS, HIT, INK, Color
-from warehouse_core.viz.export import progress_bar
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Frame, Pose
 from warehouse_core.wording import printable
@@ -121,13 +120,11 @@ def entries(record: Episode) -> Iterator[Entry]:
     frames = track_of_record(record, POSE_SECONDS).frames
     yield Entry(0, LAYOUT, layout_scene(record.layout, recording.size))
     steps = groupby(frames, lambda frame: math.ceil(frame.progress))
-    with progress_bar(len(frames), "recording") as progress:
-        begin, done = math.nan, 0  # the first frame does not belong to a step
-        for step, found in steps:
-            moments = list(found)
-            yield from sorted(recording.step(step, begin, moments), key=lambda entry: entry.time)
-            begin, done = moments[-1].clock, done + len(moments)
-            progress(done - 1, None)
+    begin = math.nan  # the first frame does not belong to a step
+    for step, found in steps:
+        moments = list(found)
+        yield from sorted(recording.step(step, begin, moments), key=lambda entry: entry.time)
+        begin = moments[-1].clock
 
 
 def contacts_of(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:

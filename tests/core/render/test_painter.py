@@ -22,7 +22,6 @@ from warehouse_core.render.painter import (
     TilePainter,
     bar,
     codes_of,
-    layout_codes,
     paint_once,
     tile_pixels_for,
 )
@@ -122,7 +121,7 @@ def test_the_fast_path_paints_the_same(side: int) -> None:
         (Layout(other.rows), (5, 10), True),
         (YARD, (2, 1), False),
     ):
-        codes = layout_codes(layout)
+        codes = codes_of(layout.rows)
         codes[robot] = ROBOT_CODES[int(loaded), codes[robot]]
         if not loaded:
             codes[codes == CODES["P", NO_ROBOT]] = CODES["P", WAITING_ITEM]
@@ -134,7 +133,7 @@ def test_a_picture_is_a_new_array() -> None:
     first = painter.picture(YARD, (1, 1), False)
     kept = first.copy()
     first[:] = 0
-    painter.paint(layout_codes(YARD))[:] = 0
+    painter.paint(codes_of(YARD.rows))[:] = 0
     assert np.array_equal(painter.picture(YARD, (1, 1), False), kept)
     assert np.array_equal(TilePainter(8).picture(YARD, (1, 1), False), kept)
 

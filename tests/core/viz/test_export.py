@@ -14,12 +14,10 @@ import numpy as np
 import pytest
 from helpers.pictures import named, pixels, replay_of, short_episode, texts
 from helpers.player import said_by
-from helpers.terminal import Terminal
 from PIL import Image, ImageSequence
 
 from warehouse_core.errors import FormatError
-from warehouse_core.viz import export
-from warehouse_core.viz.export import FORMATS, mp4_frames, progress_bar
+from warehouse_core.viz.export import FORMATS, mp4_frames
 from warehouse_core.viz.figure import SceneFigure, save_svg
 from warehouse_core.viz.gif_writer import GifWriter, indexed
 from warehouse_core.viz.pixel_box import PixelBox
@@ -101,22 +99,11 @@ def test_a_long_gif_is_thinned_with_a_message(tmp_path, monkeypatch, capsys) -> 
     assert capsys.readouterr().err == ""
 
 
-@pytest.mark.parametrize(
-    ("is_live", "said"), [(False, "drawing 4 of 4 frames; a page"), (True, "")]
-)
 @pytest.mark.parametrize("suffix", [".gif", ".mp4"])
-def test_without_a_bar_a_message_announces_a_long_film(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    suffix: str,
-    is_live: bool,
-    said: str,
-) -> None:
+def test_a_message_announces_a_long_film(tmp_path, monkeypatch, capsys, suffix: str) -> None:
     monkeypatch.setattr("warehouse_core.viz.replay.LONG", 4)
-    monkeypatch.setattr("warehouse_core.viz.replay.has_live_terminal", lambda: is_live)
     frames = [["." * col + "R" + "." * (3 - col)] for col in range(4)]
-    for shown, words in ((frames[:3], ""), (frames, said)):
+    for shown, words in ((frames[:3], ""), (frames, "drawing 4 of 4 frames; a page")):
         replay_of(shown).save((tmp_path / "film").with_suffix(suffix))
         assert capsys.readouterr().err[: len(words) or None] == words
 
@@ -297,35 +284,6 @@ def test_an_export_that_fails_keeps_the_existing_file_and_leaves_no_part(
     assert target.read_bytes() == b"the older file"
     assert list(tmp_path.iterdir()) == [target]
     assert "step 2 of 6" in texts(replay), "the replay shows what it showed before"
-
-
-# The progress bar.
-
-
-def test_there_is_no_bar_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress_bar(1000, "Drawing") as report:
-        for frame in range(1000):
-            report(frame, None)
-    assert capsys.readouterr() == ("", "")
-
-
-def test_a_long_export_on_a_terminal_shows_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
-    outputs = {}
-    for frames in (export.MIN_BAR_FRAMES - 1, export.MIN_BAR_FRAMES):
-        terminal = Terminal()
-        monkeypatch.setattr(sys, "stderr", terminal)
-        with progress_bar(frames, "Drawing") as report:
-            for frame in range(frames):
-                report(frame, frames)
-        outputs[frames] = terminal.getvalue()
-    short, long = outputs.values()
-    assert "Drawing" not in short
-    assert "Drawing" in long
-    monkeypatch.setenv("JPY_PARENT_PID", "1")
-    monkeypatch.setattr(sys, "stderr", notebook := Terminal())
-    with progress_bar(export.MIN_BAR_FRAMES, "Drawing") as report:
-        report(0, None)
-    assert notebook.getvalue() == "", "a notebook keeps each line of a bar"
 
 
 def test_a_gif_that_goes_back_to_known_colors_shows_them_again() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
+from itertools import accumulate
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -44,9 +46,9 @@ def series_of(track: Track, times: Sequence[float]) -> Iterator[Series]:
     steps = [times[end] for end in track.ends]
     metrics = track.metrics
     if "rewards" in metrics:
-        rewards, totals = track.rewards_until(track.steps)
+        rewards = [0.0 if math.isnan(reward) else reward for reward in metrics["rewards"]]
         yield Series("Reward", "each step", "bars", "battery", steps, rewards)
-        yield Series("Reward", "so far", "line", INK, steps, totals)
+        yield Series("Reward", "so far", "line", INK, steps, [*accumulate(rewards)])
     for station in ("pickup", "dropoff"):
         if (name := f"dist_{station}") in metrics:
             title, words = "Distance (cells)", f"to {station}"

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate
 from typing import NamedTuple
 
 from warehouse_core.records.plans import NO_PLANS, StepPlans
@@ -261,11 +260,6 @@ class Track:
     def step_at(self, frame: int) -> int:
         """Return the number of steps that are complete in ``frame``."""
         return math.floor(self.frames[frame].progress)
-
-    def rewards_until(self, step: int) -> tuple[list[float], list[float]]:
-        """Return the rewards up to ``step``, with 0 for NaN, and their running sums."""
-        rewards = [0.0 if math.isnan(r) else r for r in self.metrics["rewards"][: step + 1]]
-        return rewards, [*accumulate(rewards)]
 
     @property
     def steps(self) -> int:
