@@ -78,8 +78,7 @@ class PlannerTrials(NamedTuple):
         outcomes: outcomes of each case, one for each of ``labels``.
         labels: seeds or files of the trials.
         label: title of the column with the labels.
-        rates: value of each case in the figure.
-        cells: text of each case in the table.
+        shown: value of each case in the figure, and its text in the table.
         measure: title of the vertical axis of the figure.
         title: title of the table and the figure.
         caption: note below the table.
@@ -88,8 +87,7 @@ class PlannerTrials(NamedTuple):
     outcomes: Mapping[PlannerCase, Sequence[PlannerOutcome | Attempt]]
     labels: Sequence[object]
     label: str
-    rates: Mapping[PlannerCase, Interval]
-    cells: Mapping[PlannerCase, str]
+    shown: Mapping[PlannerCase, tuple[Interval, str]]
     measure: str
     title: str
     caption: str
@@ -172,21 +170,19 @@ def run_all(
         )
     outcomes = run_trials(call, list(product((*names, BOUND), sizes)), range(episodes), jobs)
 
-    rates, cells = dict[PlannerCase, Interval](), dict[PlannerCase, str]()
+    shown = {}
     for case, found in outcomes.items():
-        rate, milliseconds, _ = np.array(found).T
-        rates[case] = mean_interval(rate) or Interval(math.nan)
-        cells[case] = f"{above_interval(rates[case])}\n{milliseconds.mean():.1f} ms per step"
-        if case[0] == BOUND:
-            cells[case] = f"{rates[case].estimate:.2f}"
+        rates, milliseconds, _ = np.array(found).T
+        rate = mean_interval(rates) or Interval(math.nan)
+        words = f"{above_interval(rate)}\n{milliseconds.mean():.1f} ms per step"
+        shown[case] = rate, f"{rate.estimate:.2f}" if case[0] == BOUND else words
     title = (
         f"Goals reached per step: layout {layout or KIVA}, {counted(steps, 'step')}, "
         f"{counted(episodes, 'seed')} from 0"
     )
     few = f"Intervals need at least {MIN_VALUES} episodes." if episodes < MIN_VALUES else ""
-    return PlannerTrials(
-        outcomes, range(episodes), "seed", rates, cells, "goals reached per step", title, few
-    )
+    measure = "goals reached per step"
+    return PlannerTrials(outcomes, range(episodes), "seed", shown, measure, title, few)
 
 
 def solve_scenarios(
@@ -212,22 +208,22 @@ def solve_scenarios(
     call = partial(attempt_at, files=files, layout=layout, seconds=seconds)
     outcomes = run_trials(call, list(product(names, sizes)), range(len(files)), jobs, "plans")
 
-    rates, cells = dict[PlannerCase, Interval](), dict[PlannerCase, str]()
+    shown = {}
     for case, found in outcomes.items():
         ratios = [each.costs / each.bound for each in found if each.costs and each.bound]
-        solved = sum(each.costs is not None for each in found)
-        rates[case] = Interval(solved / len(found))
-        if len(found) >= MIN_VALUES:
-            rates[case] = share_interval(solved, len(found))
+        solved, trials = sum(each.costs is not None for each in found), len(found)
+        rate = Interval(solved / trials)
+        if trials >= MIN_VALUES:
+            rate = share_interval(solved, trials)
         costs = f"\n{np.mean(ratios):.3f}" if ratios else ""
-        seconds_each = np.mean([each.seconds for each in found])
-        cells[case] = f"{solved} of {len(found)}{costs}\n{seconds_each:.3f} s"
+        took = np.mean([each.seconds for each in found])
+        shown[case] = rate, f"{solved} of {trials}{costs}\n{took:.3f} s"
     title = f"{counted(len(files), 'scenario file')}, {seconds:g} s per plan"
     caption = (
         "Each cell has the number of files with a plan for their first robots, the mean ratio of "
         "the costs to the sum of the fewest steps, and the mean processor time."
     )
-    return PlannerTrials(outcomes, files, "file", rates, cells, "scenarios solved", title, caption)
+    return PlannerTrials(outcomes, files, "file", shown, "scenarios solved", title, caption)
 
 
 def attempt_at(
@@ -240,8 +236,8 @@ def attempt_at(
 
 def table_of(trials: PlannerTrials) -> TextTable:
     """Return a table with a row for each number of robots, and a column for each planner."""
-    names, sizes = (list(dict.fromkeys(column)) for column in zip(*trials.cells, strict=True))
-    rows = [(str(size), *(trials.cells[name, size] for name in names)) for size in sizes]
+    names, sizes = (list(dict.fromkeys(column)) for column in zip(*trials.shown, strict=True))
+    rows = [(str(size), *(trials.shown[name, size][1] for name in names)) for size in sizes]
     return TextTable(("robots", *names), rows, trials.title, trials.caption)
 
 
@@ -259,6 +255,6 @@ def write_trials(path: Path, trials: PlannerTrials) -> None:
     from agents.lab.trials.figure import curves_figure  # imports matplotlib
 
     curves = dict[str, dict[int, Interval]]()
-    for (name, size), rate in trials.rates.items():
+    for (name, size), (rate, _) in trials.shown.items():
         curves.setdefault(name, {})[size] = rate
     save_picture(curves_figure(curves, trials.title, trials.measure, BOUND), path)

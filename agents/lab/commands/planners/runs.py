@@ -216,8 +216,10 @@ def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solve
     return partial(solve_by_steps, stepper)
 
 
-def solve_checked(name: str, solve: Solver, problem: Problem, seconds: float) -> Solved:
-    """Run a solver, and return its checked plan and the time that it took.
+def solve_checked(
+    name: str, solve: Solver, problem: Problem, seconds: float
+) -> tuple[Plan, float, float]:
+    """Run a solver; return its checked plan, and the seconds by the clock and of the processor.
 
     Raises:
         PlanError: the solver found no plan.
@@ -239,7 +241,7 @@ def solve_checked(name: str, solve: Solver, problem: Problem, seconds: float) ->
         check_plan(problem, plan)
     except PlanError as error:
         raise AgentError(f"planner {name!r}: {error}") from error
-    return Solved(plan, *took)
+    return plan, *took
 
 
 def check_plan(problem: Problem, plan: object) -> None:
@@ -268,14 +270,6 @@ def check_plan(problem: Problem, plan: object) -> None:
             check_next(problem.graph, situation, headings, places[step + 1])
         except PlanError as error:
             raise PlanError(f"step {step}: {error}") from None
-
-
-class Solved(NamedTuple):
-    """A plan, and the wall-clock time and processor time that it took, in seconds."""
-
-    plan: Plan
-    seconds: float
-    processor_seconds: float
 
 
 class Attempt(NamedTuple):
