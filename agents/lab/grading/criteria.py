@@ -13,8 +13,6 @@ from agents.lab.trials.interval import percent
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
-__all__ = ["Criterion"]
-
 VISIBLE = "visible"
 VISIBILITIES = (VISIBLE, "after_due_date", "after_published", "hidden")
 """Times at which Gradescope shows a criterion; pages show criteria that are ``VISIBLE``."""
@@ -74,12 +72,6 @@ class Criterion(NamedTuple):
             ``full``, there are all points or none.
         needs: name of an earlier criterion. If it has no points, this criterion has none either.
         visibility: time at which students see it, one of ``VISIBILITIES``.
-
-    Example:
-        >>> from agents.lab.grading.criteria import Criterion
-        >>> criterion = Criterion("delivers", 10, "delivered", ("hidden",), full=1.0, zero=0.5)
-        >>> criterion.points_for(0.75), criterion.points_for(0.2)
-        (5.0, 0.0)
     """
 
     name: str

@@ -32,8 +32,6 @@ from warehouse_core.errors import WarehouseError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
 
-__all__ = ["results_of"]
-
 SETUP = """#!/usr/bin/env bash
 set -e
 apt-get update
@@ -71,13 +69,6 @@ def results_of(report: GradeReport) -> dict[str, Any]:
     """Return the results of a report in Gradescope's format, for JSON.
 
     They do not contain the time of execution, so that the same agent gets the same results.
-
-    Example:
-        >>> from agents.lab.grading.gradescope import results_of
-        >>> from agents.lab.grading.grading import GradeReport
-        >>> report = GradeReport("mine.py", "Mini-lab", "", "", (), "it ended", "", episodes=0)
-        >>> results_of(report)["output"].splitlines()
-        ['Mini-lab', 'mine.py: 0 of 0 points', 'it ended']
     """
     points = f"{report.agent}: {report.points:g} of {report.max_points:g} points"
     return {

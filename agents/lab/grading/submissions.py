@@ -31,7 +31,7 @@ from agents.lab.runs.programs import digest_of
 from warehouse_core.files.reading import not_a_file
 from warehouse_core.wording import listed
 
-__all__ = ["Submission", "find_submission", "in_folder"]
+__all__ = ["Submission", "find_submission"]
 
 IMPORTED_ONCE = (
     "abc", "agents", "collections", "copy", "dataclasses", "enum", "functools", "heapq",
@@ -195,28 +195,11 @@ def find_submission(name: str) -> Submission:
 def in_folder(
     folder: Path, kind: str | None, other: Collection[Path] = ()
 ) -> Iterator[Submission | Unusable]:
-    """Yield the submissions in a folder in the order of their names.
+    """Yield the submissions in a folder in the order of their names, and those of no use.
 
-    All parts with the same number of a student are one submission, and so is any other file or
-    folder, see ``students.py``. Links are not followed, so that nobody is graded with another
-    student's file.
-
-    Args:
-        folder: folder of the submissions.
-        kind: name of the class in each submission; ``None`` for the only one.
-        other: files and folders that are not submissions.
-
-    Yields:
-        submissions; ``Unusable`` for students whose submission cannot be graded.
-
-    Example:
-        >>> from pathlib import Path
-        >>> from agents.lab.grading.submissions import in_folder
-        >>> Path("class").mkdir()
-        >>> for name in ("one.py", "two.py"):
-        ...     Path("class", name).touch()
-        >>> [submission.name for submission in in_folder(Path("class"), None)]
-        ['one.py', 'two.py']
+    All parts with the same number of a student are one submission, and so is any file or folder
+    that is not in ``other``, see ``students.py``. Links are not followed, so that nobody is graded
+    with another student's file. ``kind`` is the name of the class; ``None`` for the only one.
     """
     for student in students_in(folder, other)[0]:
         try:
