@@ -195,7 +195,7 @@ def find_submission(name: str) -> Submission:
 def in_folder(
     folder: Path, kind: str | None, other: Collection[Path] = ()
 ) -> Iterator[Submission | Unusable]:
-    """Yield the submissions in a folder in the order of their names, and those of no use.
+    """Yield the submissions in a folder in the order of their names.
 
     All parts with the same number of a student are one submission, and so is any file or folder
     that is not in ``other``, see ``students.py``. Links are not followed, so that nobody is graded
