@@ -271,7 +271,7 @@ ENTRIES = {
     "own json": Entry(files(agent=GOOD, json=ENDS, os=ENDS, random=ENDS, numpy=ENDS), 100),
     "own site": Entry(files(agent=GOOD, sitecustomize=ENDS, usercustomize=ENDS), 100),
     "own grader": Entry(files(agent=GOOD, agents=ENDS, warehouse_core=ENDS, child=ENDS), 100),
-    "many": Entry(files(agent=GOOD, **{f"f{number}": "" for number in range(1_100)}), 100),
+    "many": Entry(files(agent=GOOD, **{f"f{number}": "" for number in range(1_100)}), 0),
     "=cmd|' |'!A1": Entry(files(agent=GOOD), 100),
     "two\nlines": Entry(files(agent=GOOD), 100),
     'quote".py': Entry(code(), 100),
