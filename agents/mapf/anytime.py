@@ -48,16 +48,14 @@ guidance, and 2.9, 2.5 and 2.3 times with windows of 10, 16 and 48 steps. Longer
 time, and fail more often.
 """
 
-LONGER = 4
-"""Ratio of the times that the second and the first of these searches are expected to take."""
+ATTEMPTS = 6
+"""Limit on guided searches, which use these numbers in turn, each with another seed."""
 
-GUIDED_SHARE = 0.8
-"""Share of the time after which guided searches end."""
+GUIDED_SHARE, MORE_SHARE = 0.8, 0.6
+"""Shares of the time after which the first guided plan, and more of them, are no longer sought."""
 
-PATIENCE, ATTEMPTS = 25, 4
-"""Limits on the rounds of a guided search, for each step of the longest of the shortest paths, and
-on the seeds that are tried if no plan is found.
-"""
+PATIENCE = 25
+"""Limit on the rounds of a guided search, for each step of the longest of the shortest paths."""
 
 PLAIN_SHARE = 0.4
 """Share of the time for a plan without headings, to which turns are added."""
@@ -102,7 +100,7 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
     search.search(begin + share * seconds, goes_on=False)
     plan = search.plan()
     if not (has_headings or is_small or search.is_done):
-        plan = _guided(search, plan, seed, begin + GUIDED_SHARE * seconds)
+        plan = _guided(search, plan, seed, begin, seconds)
     if plan is None:
         plan = search.run(max(deadline - perf_counter(), 0.0), goes_on=False)
     if has_headings:
@@ -132,20 +130,27 @@ def can_refine(problem: Problem, plan: Plan) -> bool:
     return 0 < plan.makespan * places < MAX_STATES
 
 
-def _guided(search: LaCAM, plan: Plan | None, seed: int, deadline: float) -> Plan | None:
-    """Return the best of a plan and the plans of guided searches, or ``plan`` on an empty floor."""
-    problem, spent = search.problem, 0.0
-    for window in WINDOWS:
-        is_poor = plan is None or plan.sum_of_costs > CROWDED * search.lower_bound
-        is_too_large = window * problem.graph.size > MAX_GUIDED
-        for attempt in range(ATTEMPTS if is_poor and not is_too_large else 0):
-            begin = perf_counter()
-            if begin + LONGER * spent >= deadline:
-                return plan
-            guided = LaCAM(problem, seed + attempt, window)
-            guided.search(deadline, PATIENCE * search.longest_path, goes_on=False)
-            if (found := guided.plan()) is not None:
-                plan = found if plan is None else min(plan, found, key=COST)
-                spent = perf_counter() - begin
-                break
+def _guided(
+    search: LaCAM, plan: Plan | None, seed: int, start: float, seconds: float
+) -> Plan | None:
+    """Return the best of a plan and of guided plans; on a floor that is not crowded, the plan.
+
+    Args:
+        search: search without guidance.
+        plan: plan that it has found, if any.
+        seed: seed of the first guided search.
+        start: begin of the planning, in seconds of ``perf_counter``.
+        seconds: time limit from then on.
+    """
+    problem, is_found = search.problem, False
+    for attempt in range(ATTEMPTS):
+        window = WINDOWS[attempt % len(WINDOWS)]
+        deadline = start + (MORE_SHARE if is_found else GUIDED_SHARE) * seconds
+        is_good = plan is not None and plan.sum_of_costs <= CROWDED * search.lower_bound
+        if is_good or perf_counter() > deadline or window * problem.graph.size > MAX_GUIDED:
+            break
+        guided = LaCAM(problem, seed + attempt, window)
+        guided.search(deadline, PATIENCE * search.longest_path, goes_on=False)
+        if (found := guided.plan()) is not None:
+            plan, is_found = found if plan is None else min(plan, found, key=COST), True
     return plan
