@@ -187,9 +187,9 @@ class _Process:
 def _work(parent: Connection[Any, Any]) -> None:
     """Run the calls that the parent process sends, and end when it ends, however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, _interrupt)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
+        signal.signal(signal.SIGTERM, _interrupt)  # here, because it raises KeyboardInterrupt
         while True:
             call = parent.recv()
             result, error = None, None
