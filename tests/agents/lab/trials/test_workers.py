@@ -106,8 +106,8 @@ def test_a_worker_survives_an_exception_and_ends_in_spite_of_threads() -> None:
 
 def hold(folder: str) -> None:
     """Sleep for a minute, and remove a folder at the end, however it comes."""
-    os.mkdir(folder)
     try:
+        os.mkdir(folder)
         time.sleep(60)
     finally:
         os.rmdir(folder)
