@@ -16,6 +16,7 @@ from agents.errors import GradeError
 from agents.lab.grading.grading import Grade, GradeReport
 from agents.lab.grading.rubric import MAX_DAYS, TAKEN, Rubric
 from agents.lab.grading.students import CANVAS, MOODLE
+from agents.lab.grading.submissions import Submission, Unusable
 from agents.lab.trials.interval import percent
 from warehouse_core.files.tables import number_in, read_table, whole_in, write_table
 from warehouse_core.wording import printable
@@ -51,13 +52,11 @@ def row_of(name: str, report: GradeReport) -> GradeRow:
     }  # fmt: skip
 
 
-def failed_row(name: str, reason: str, rubric: Rubric, code: str = "", late: int = 0) -> GradeRow:
+def failed_row(each: Submission | Unusable, reason: str, rubric: Rubric) -> GradeRow:
     """Return the row of a submission that could not be graded, without points."""
-    failed = GradeReport(
-        "", "", rubric.digest, code, tuple(Grade(each, 0.0, "") for each in rubric.criteria),
-        failure=reason, reason="", episodes=0, late=late,
-    )  # fmt: skip
-    return row_of(name, failed)
+    none = tuple(Grade(criterion, 0.0, "") for criterion in rubric.criteria)
+    failed = GradeReport("", "", rubric.digest, each.digest, none, reason, "", 0, late=each.late)
+    return row_of(each.name, failed)
 
 
 def load_grades(path: Path, columns: Collection[str] = ()) -> dict[str, GradeRow]:

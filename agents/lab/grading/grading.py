@@ -137,7 +137,6 @@ def grade(
     rubric: Rubric,
     user: str | None = None,
     advance: Callable[[], None] = lambda: None,
-    late: int = 0,
     *,
     make_runner: type[Sandbox | SameProcess] = Sandbox,
 ) -> GradeReport:
@@ -151,7 +150,6 @@ def grade(
         rubric: criteria, cases and limits.
         user: user that runs the agent, see ``Sandbox``; ``None`` is the current user.
         advance: function that is called after each episode.
-        late: number of days by which the submission is late.
         make_runner: class that runs episodes, in processes of their own or in the current one.
 
     Raises:
@@ -176,10 +174,10 @@ def grade(
         make_runner(own, limits, user) as runner,
     ):
         runs = run_cases(runner, cases, limits.give_up_after, advance)
-    return judge(submission, rubric, runs, late)
+    return judge(submission, rubric, runs)
 
 
-def judge(submission: Submission, rubric: Rubric, runs: Runs, late: int = 0) -> GradeReport:
+def judge(submission: Submission, rubric: Rubric, runs: Runs) -> GradeReport:
     """Return the report of a submission from its runs; see ``grade``."""
     played = (run.agent for run in runs if run.agent and run.case.unit != CALL)
     name = submission.called(next(played, None))
@@ -191,9 +189,9 @@ def judge(submission: Submission, rubric: Rubric, runs: Runs, late: int = 0) -> 
         printable(name), rubric.title, rubric.digest, submission.digest, tuple(grades.values()),
         failure="" if is_loaded else runs[0].description,
         reason="" if any(each.points for each in grades.values()) else _reason(runs),
-        episodes=len(runs), outcomes=outcomes(runs), late=late,
+        episodes=len(runs), outcomes=outcomes(runs), late=submission.late,
     )  # fmt: skip
-    return report._replace(deducted=rubric.late.deducted(late, report.points))
+    return report._replace(deducted=rubric.late.deducted(report.late, report.points))
 
 
 def _reason(runs: Runs) -> str:

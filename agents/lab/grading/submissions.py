@@ -82,6 +82,7 @@ class Submission(NamedTuple):
         archive: archive that ``private`` unpacks, or ``None``.
         files: files that ``private`` copies, each with its place in the copy.
         entries: names of all entries of the folder that the student has handed in.
+        late: number of days by which it is late.
 
     Example:
         >>> from agents.lab.grading.submissions import find_submission
@@ -101,6 +102,7 @@ class Submission(NamedTuple):
     archive: Path | None = None
     files: tuple[tuple[Path, PurePath], ...] = ()
     entries: tuple[str, ...] = ()
+    late: int = 0
 
     @property
     def paths(self) -> list[str]:
@@ -154,11 +156,13 @@ class Submission(NamedTuple):
 
 
 class Unusable(NamedTuple):
-    """A student whose submission cannot be graded, with the reason."""
+    """A student whose submission cannot be graded, with the reason; see ``Submission``."""
 
     name: str
     reason: str
     entries: tuple[str, ...] = ()
+    late: int = 0
+    digest: str = ""
 
 
 def find_submission(name: str) -> Submission:

@@ -6,7 +6,7 @@ Each submission has a row in the table of grades, and optionally a page and a fi
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from concurrent.futures import Future, as_completed
 from pathlib import Path
 from urllib.parse import quote
@@ -85,19 +85,15 @@ def grade_folder(
     # The last resort, as every wait for an agent has a limit of its own.
     count, watchdog = most_jobs(user, jobs), rubric.most_seconds
     ours = [target, *rubric.files, rubric.starter, *([pages] if pages else []), *other]
-    found = list(in_folder(folder, kind, ours))
-    days_of = _days_of(folder, found, late or {})
+    found = _with_days(folder, list(in_folder(folder, kind, ours)), late or {})
     columns, rows, waiting = columns_of(rubric), dict[str, GradeRow](), list[Submission]()
     before = load_grades(target, columns)
     find = finder_of(before)
     for each in found:
         row = before.get(find(printable(each.name)) or "")
         if isinstance(each, Unusable):
-            rows[each.name] = failed_row(each.name, each.reason, rubric, late=days_of[each.name])
-        elif _is_done(each, row, rubric, days_of[each.name]) and (
-            pages is None or all(path.exists() for path in _files_of(pages, each))
-        ):
-            assert row is not None
+            rows[each.name] = failed_row(each, each.reason, rubric)
+        elif row and _is_done(each, row, rubric) and all(map(Path.exists, _files_of(pages, each))):
             rows[each.name] = {name: row[name] for name in columns} | {NAME: printable(each.name)}
         else:
             waiting.append(each)
@@ -107,13 +103,10 @@ def grade_folder(
             Processes(max(min(count, len(waiting)), 1), watchdog) as pool,
             progress_bar(len(waiting), "submissions") as advance,
         ):
-            futures = {
-                pool.submit(_grade, each, rubric, user, pages, days_of[each.name]): each
-                for each in waiting
-            }
+            futures = {pool.submit(_grade, each, rubric, user, pages): each for each in waiting}
             for number, future in enumerate(as_completed(futures), 1):
                 each = futures[future]
-                rows[each.name] = _row(future, each, rubric, days_of[each.name])
+                rows[each.name] = _row(future, each, rubric)
                 save_grades(target, columns, rows)
                 advance(number, each.name)
     except KeyboardInterrupt:
@@ -142,51 +135,49 @@ def _counts(rows: Mapping[str, GradeRow], graded: Collection[str]) -> str:
     )
 
 
-def _days_of(
-    folder: Path, found: Collection[Submission | Unusable], late: Mapping[str, int]
-) -> dict[str, int]:
-    """Return by how many days each submission is late: as many as its latest part."""
-    names = [each.name for each in found]
-    if not names:
+def _with_days(
+    folder: Path, found: Sequence[Submission | Unusable], late: Mapping[str, int]
+) -> list[Submission | Unusable]:
+    """Return submissions with their days: each is as late as its latest part."""
+    if not found:
         raise GradeError(f"{folder}: it contains no submissions")
-    if INDEX in names:
+    if INDEX in [each.name for each in found]:
         raise GradeError(
             f"{folder / INDEX}: no submission may have the name of the page of the class"
         )
-    owners = {entry: each.name for each in found for entry in each.entries}
-    find, days_of = finder_of(owners), dict.fromkeys(names, 0)
+    find = finder_of(entry for each in found for entry in each.entries)
+    days_of = dict[str, int]()
     for name, days in late.items():
         entry = find(name)
         if entry is None:
             raise GradeError(f"{folder}: --late names {name!r}, but there is no such submission")
-        days_of[owners[entry]] = max(days_of[owners[entry]], days)
-    return days_of
+        days_of[entry] = days
+    return [
+        each._replace(late=max(days_of.get(entry, 0) for entry in each.entries)) for each in found
+    ]
 
 
-def _is_done(each: Submission, row: GradeRow | None, rubric: Rubric, late: int = 0) -> bool:
-    if row is None or not row.keys() >= set(columns_of(rubric)):
-        return False
-    return (row[CODE], row[RUBRIC], row[LATE]) == (each.digest, rubric.digest, str(late))
+def _is_done(each: Submission, row: GradeRow, rubric: Rubric) -> bool:
+    is_whole = row.keys() >= set(columns_of(rubric))
+    now = each.digest, rubric.digest, str(each.late)
+    return is_whole and (row[CODE], row[RUBRIC], row[LATE]) == now
 
 
-def _grade(
-    each: Submission, rubric: Rubric, user: str | None, pages: Path | None, late: int
-) -> GradeRow:
+def _grade(each: Submission, rubric: Rubric, user: str | None, pages: Path | None) -> GradeRow:
     """Grade a submission, write its page and results, and return its row."""
-    report = grade(each, rubric, user, late=late)
-    for path in [] if pages is None else _files_of(pages, each):
+    report = grade(each, rubric, user)
+    for path in _files_of(pages, each):
         write_report(path, report.shown())
     return row_of(each.name, report)
 
 
-def _row(future: Future[GradeRow], each: Submission, rubric: Rubric, late: int = 0) -> GradeRow:
+def _row(future: Future[GradeRow], each: Submission, rubric: Rubric) -> GradeRow:
     try:
         return future.result()
     except WorkerError as error:  # an agent has ended the process of the grader
-        reason = f"it ended the grader: {error}"
+        return failed_row(each, f"it ended the grader: {error}", rubric)
     except AgentError as error:  # an archive that cannot be unpacked
-        reason = str(error)
-    return failed_row(each.name, reason, rubric, each.digest, late)
+        return failed_row(each, str(error), rubric)
 
 
 def _best_first(rows: Mapping[str, GradeRow]) -> list[GradeRow]:
@@ -255,9 +246,13 @@ def _write_page(path: Path, report: GradeReport) -> None:
     write_page(path, Page(f"{report.points:g} of {report.max_points:g} points", intro, sections))
 
 
-def _files_of(pages: Path, submission: Submission) -> list[Path]:
-    """Return the files for the page and the results of a submission."""
-    return [pages / f"{submission.name}{suffix}" for suffix in (PAGE, RESULTS)]
+def _files_of(pages: Path | None, submission: Submission) -> list[Path]:
+    """Return the files for the page and the results of a submission, if they are wanted."""
+    return (
+        []
+        if pages is None
+        else [pages / f"{submission.name}{suffix}" for suffix in (PAGE, RESULTS)]
+    )
 
 
 def _write_index(pages: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> Path:

@@ -18,6 +18,7 @@ from agents.lab.grading.grades import (
     summary_of,
 )
 from agents.lab.grading.rubric import load_rubric
+from agents.lab.grading.submissions import Unusable
 
 COLUMNS = ["submission", "points", "of", "delivers", "failure", "code", "rubric"]
 HEAD = ",".join(COLUMNS)
@@ -75,7 +76,7 @@ def test_students_are_found_by_the_numbers_in_names_or_by_names(tmp_path: Path) 
     rubric, path = load_rubric(write_rubric(tmp_path)), tmp_path / "grades.csv"
     rows = {}
     for points, name in enumerate(NAMES):
-        rows[name] = failed_row(name, "why", rubric) | {POINTS: f"{points}"}
+        rows[name] = failed_row(Unusable(name, ""), "why", rubric) | {POINTS: f"{points}"}
     save_moodle(path, rows, rubric)
     with path.open(newline="", encoding="utf-8") as file:
         moodle = [tuple(row.values()) for row in csv.DictReader(file)]
@@ -95,7 +96,7 @@ def test_students_are_found_by_the_numbers_in_names_or_by_names(tmp_path: Path) 
 
 def test_a_class_is_summarised(tmp_path: Path) -> None:
     rubric = load_rubric(write_rubric(tmp_path))
-    none = failed_row("none", "no file", rubric)
+    none = failed_row(Unusable("none", ""), "no file", rubric)
     half = none | {POINTS: "49.5", "delivers": "30", "stays calm": "20"}
     full = none | {each.name: f"{each.points:g}" for each in rubric.criteria} | {POINTS: "100"}
     assert summary_of([none, half, full], rubric) == [

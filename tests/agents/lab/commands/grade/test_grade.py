@@ -162,7 +162,7 @@ def test_an_agent_that_ended_the_grader_has_no_points(rubric: Path) -> None:
     assert row["points"] == "0"
     assert row["failure"] == "it ended the grader: its process was ended by signal 9"
     assert _is_done(submission, row, asked)
-    assert not _is_done(submission, row, asked, late=1)
+    assert not _is_done(submission._replace(late=1), row, asked)
     del row["stays calm"]  # a criterion
     assert not _is_done(submission, row, asked)
 
