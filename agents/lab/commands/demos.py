@@ -159,27 +159,14 @@ def lanes() -> Demo:
 
 
 DEMOS: dict[str, Callable[[], Demo]] = {
-    "bump": bump,
-    "slip": slip,
-    "wheels": wheels,
-    "pibt": pibt,
-    "lanes": lanes,
+    made.__name__: made for made in (bump, slip, wheels, pibt, lanes)
 }
 
-STILLS = ("lanes",)
-"""Demonstrations that are a picture."""
-
-BODIES = ("bump", "slip", "wheels")
-"""Demonstrations that need the physics backend."""
+STILLS, BODIES = ("lanes",), ("bump", "slip", "wheels")
+"""Demonstrations that are a picture, and those that need the physics backend."""
 
 
-def drive(
-    env: WarehouseEnv,
-    actions: Sequence[str],
-    name: str,
-    *,
-    seed: int | None = None,
-) -> Episode:
+def drive(env: WarehouseEnv, actions: Sequence[str], name: str, seed: int | None = None) -> Episode:
     """Carry out actions from the start, and return the record.
 
     Actions after the end of the episode are ignored.
@@ -210,13 +197,7 @@ def run_shift(
 ) -> Episode:
     """Return the record of a shift with seed 1, in which no robot has to charge.
 
-    Args:
-        fleet: planner with its assignment.
-        name: name in the record.
-        layout: layout.
-        robots: number of robots.
-        rate: orders that arrive in a step on average.
-        steps: length of the shift.
+    ``rate`` is the mean number of orders that arrive in a step.
     """
     env = FleetEnv(
         layout, robots, orders=OrderStream(rate), max_steps=steps, battery=BATTERY, dispatch=False

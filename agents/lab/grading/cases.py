@@ -303,17 +303,10 @@ Case = GradedCase | CallCase
 def run_cases(
     runner: Runner, cases: Iterable[Case], give_up_after: int, advance: Callable[[], None]
 ) -> list[Run]:
-    """Run the episodes and calls of all cases.
+    """Run the episodes and calls of all cases, and return a run for each seed of each case.
 
-    Args:
-        runner: starter of the agent's processes, one for each episode.
-        cases: cases, in the order in which they are run.
-        give_up_after: number of successive episodes that are too slow, end the process or cannot
-            be loaded, after which the rest of the case is not run and counts the same.
-        advance: called after each episode.
-
-    Returns:
-        A run for each seed of each case.
+    After ``give_up_after`` successive episodes that are too slow, end the process or cannot be
+    loaded, the rest of a case is not run and counts the same. ``advance`` is called after each.
     """
     runs, hopeless = list[Run](), 0
     for case in cases:

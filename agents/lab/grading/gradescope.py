@@ -25,7 +25,6 @@ from agents.errors import GradeError
 from agents.lab.grading.grading import Grade, GradeReport, grade
 from agents.lab.grading.rubric import MAX_DAYS, Rubric, load_rubric
 from agents.lab.grading.sandbox import NOBODY, check_trust
-from agents.lab.grading.students import Student
 from agents.lab.grading.submissions import submission_of
 from agents.lab.runs.programs import OWN, ROOT
 from warehouse_core.errors import WarehouseError
@@ -154,7 +153,7 @@ def run(root: Path) -> dict[str, Any]:
     """
     rubric = load_rubric(root / "source" / "rubric.toml")
     folder = (root / "submission").resolve()  # on Gradescope it may be a link
-    submission = submission_of(Student(((folder, folder.name),)), None)
+    submission = submission_of([(folder, folder.name)], None)
     if Path(submission.shown).is_absolute():
         submission = submission._replace(shown=str(Path(submission.shown).relative_to(folder)))
     user = NOBODY if os.getuid() == 0 else None

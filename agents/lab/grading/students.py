@@ -11,7 +11,6 @@ import re
 import unicodedata
 from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
-from typing import NamedTuple
 
 MOODLE = re.compile(r"(?P<name>.+)_(?P<number>\d+)_assignsubmission_[a-z]+_?(?P<file>.*)")
 """Names of parts from Moodle, such as ``Full Name_123_assignsubmission_file_``."""
@@ -36,19 +35,8 @@ PHANTOM = re.compile(
 """Names, in lower case, of files of systems and platforms, and of tables, pages and results."""
 
 
-class Student(NamedTuple):
-    """Everything that one student has handed in.
-
-    Attributes:
-        parts: entries of the folder, each with the name that the student gave to the file.
-    """
-
-    parts: tuple[tuple[Path, str], ...]
-
-    @property
-    def entries(self) -> tuple[str, ...]:
-        """Names of the entries."""
-        return tuple(path.name for path, _ in self.parts)
+Student = tuple[tuple[Path, str], ...]
+"""All entries that one student has handed in, each with the name that the student gave to it."""
 
 
 def students_in(folder: Path, other: Collection[Path] = ()) -> tuple[list[Student], list[str]]:
@@ -75,14 +63,14 @@ def students_in(folder: Path, other: Collection[Path] = ()) -> tuple[list[Studen
     if len(canvas) == 1 and not _has_agent(given for _, given, _ in parts[canvas[0]]):
         # Such as lab_3_1_ann.py and lab_3_2_bob.py, which do not come from Canvas.
         parts |= {(path.name,): [(path, path.name, "")] for path, *_ in parts.pop(canvas[0])}
-    return sorted(map(_student, parts.values()), key=lambda each: each.entries), phantoms
+    return sorted(map(_student, parts.values())), phantoms
 
 
 def _student(parts: list[tuple[Path, str, str]]) -> Student:
     if len(parts) == 1:  # a file that is graded alone keeps its name
-        return Student(((parts[0][0], parts[0][0].name),))
+        return ((parts[0][0], parts[0][0].name),)
     newest = max(time for _, _, time in parts)
-    return Student(tuple((path, given) for path, given, time in parts if time == newest))
+    return tuple((path, given) for path, given, time in parts if time == newest)
 
 
 def _has_agent(names: Iterable[str]) -> bool:

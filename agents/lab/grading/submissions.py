@@ -26,7 +26,7 @@ from agents.lab.grading.archives import (
     set_dates,
     unpack,
 )
-from agents.lab.grading.students import Student, students_in
+from agents.lab.grading.students import students_in
 from agents.lab.runs.programs import digest_of
 from warehouse_core.files.reading import not_a_file
 from warehouse_core.wording import listed
@@ -209,11 +209,12 @@ def in_folder(
         try:
             yield submission_of(student, kind)
         except (AgentError, OSError) as error:
-            yield Unusable(student.entries[0], str(error), student.entries)
+            entries = tuple(path.name for path, _ in student)
+            yield Unusable(entries[0], str(error), entries)
 
 
-def submission_of(student: Student, kind: str | None) -> Submission:
-    """Return the submission of a student.
+def submission_of(student: Sequence[tuple[Path, str]], kind: str | None) -> Submission:
+    """Return the submission of a student, given the parts and the names that they had.
 
     A single file is graded alone. If there is an archive and no code next to it, as in folders
     from Moodle, the archive is graded.
@@ -222,7 +223,8 @@ def submission_of(student: Student, kind: str | None) -> Submission:
         AgentError: there is no agent, or a part is a link.
     """
     found, parts = dict[PurePath, Path](), dict[Path, Path]()
-    for part, given in student.parts:
+    entries = tuple(path.name for path, _ in student)
+    for part, given in student:
         _check_kind(part)
         base = part.resolve() if part.is_dir() else part.parent.resolve() / part.name
         inner = {PurePath(file.relative_to(base)): file for file in files_in(base)}
@@ -236,12 +238,11 @@ def submission_of(student: Student, kind: str | None) -> Submission:
     name, shown = parts[base].name, parts[base] / file.relative_to(base)
     _check_kind(file, f"{chosen.as_posix()}: ")
     if _kind_of(chosen) == ARCHIVE:
-        return _of_archive(name, file, kind)._replace(entries=student.entries)
+        return _of_archive(name, file, kind)._replace(entries=entries)
     folder = None
     if len(parts) > 1 or base.is_dir():
         folder = base if len(parts) == 1 else base.parent
-    submission = _of_files(name, shown, chosen, kind, found, folder)
-    return submission._replace(entries=student.entries)
+    return _of_files(name, shown, chosen, kind, found, folder)._replace(entries=entries)
 
 
 def _add(found: dict[PurePath, Path], files: Mapping[PurePath, Path]) -> None:
