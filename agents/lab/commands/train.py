@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -26,7 +25,7 @@ from agents.lab.console.values import load_layout
 from agents.lab.parameters import Whole
 from agents.lab.parameters import size as check_size
 from agents.lab.training.checkpoint import load_checkpoint, save_checkpoint
-from agents.lab.training.driving import train_drive
+from agents.lab.training.driving import known, train_drive
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, save_points
 from agents.lab.trials.interval import mean, share
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
@@ -39,9 +38,8 @@ from agents.learning.q_training import QLearner
 from agents.registry import make_agent, make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout
-from warehouse_core.errors import FormatError
 from warehouse_core.extras import not_installed
-from warehouse_core.files.atomic import check_target
+from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.wording import brief
 
 if TYPE_CHECKING:
@@ -207,7 +205,7 @@ def train(
         task = Task(drawn, battery, limit)
     else:
         task = Task(load_layout(layout), battery, limit)
-    check_agent_file(target)
+    check_suffix(target, (MODEL_SUFFIX,))
     if kind == "drive":
         with needed_libraries("training of continuous control"):
             print_table(train_drive(load_layout(layout), steps, seed, target))
@@ -271,15 +269,6 @@ def make_clone_learner(teacher: str, task: Task, steps: int, seed: int) -> Clone
     return CloneLearner(
         batch, ShortestPaths(batch) if knows else AgentTeacher(batch, make), steps, seed
     )
-
-
-def check_agent_file(path: Path) -> None:
-    """Raise ``FormatError`` unless a file has the suffix of agents."""
-    if path.suffix != MODEL_SUFFIX:
-        raise FormatError(
-            f"{path}: cannot save as {path.suffix or 'a file without a suffix'}; "
-            f"allowed: {MODEL_SUFFIX}"
-        )
 
 
 @dataclass
@@ -376,7 +365,7 @@ class Training:
             def watch(steps: int, delivers: float, make_agent: MakeAgent) -> None:
                 is_examined = examiner.watch(steps, make_agent)
                 progress.steps, progress.seconds = steps, time.perf_counter() - started
-                show_progress(steps, f"delivers {_percent(delivers)}, exam {examiner.summary}")
+                show_progress(steps, f"delivers {known(delivers)}, exam {examiner.summary}")
                 if is_examined:
                     save_points(self.output.with_suffix(POINTS_SUFFIX), examiner.points)
                     self._checkpoint(learner, progress)
@@ -426,10 +415,6 @@ def greedy_scores(task: Task | FleetTask, seeds: Iterable[int]) -> Scores | Flee
         make = partial(make_team, "greedy", task.robots, layout=task.layout)
         return task.evaluate_fleet(make, seeds)
     return task.evaluate(GreedyAgent, seeds)
-
-
-def _percent(share: float) -> str:
-    return "-" if math.isnan(share) else f"{share:.0%}"
 
 
 def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> TextTable:

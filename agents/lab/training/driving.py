@@ -29,7 +29,7 @@ def train_drive(layout: Layout, steps: int, seed: int, target: Path) -> TextTabl
     learner, started = DriveLearner(layout, steps, seed), time.perf_counter()
     try:
         with progress_bar(steps, "drive") as show:
-            learner.learn(lambda done, share: show(done, f"delivers {_percent(share)}"))
+            learner.learn(lambda done, share: show(done, f"delivers {known(share)}"))
     finally:
         learner.save(target)
         say(f"{time.perf_counter() - started:.0f} s, seed {seed}")
@@ -51,5 +51,6 @@ def exam_table(results: dict[str, Any]) -> TextTable:
     return TextTable(("", "drive"), rows, f"{len(done)} unseen episodes")
 
 
-def _percent(share: float) -> str:
+def known(share: float) -> str:
+    """Return a share in percent, or a dash if it is not known yet."""
     return "-" if math.isnan(share) else f"{share:.0%}"
