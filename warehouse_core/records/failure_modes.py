@@ -500,56 +500,47 @@ def _flat(episode: Episode) -> list[int]:
 
 
 def _without_charger(episode: Episode) -> Evidence | None:
-    layout, cells, battery = episode.layout, _ends(episode), episode.settings.battery
-    if episode.settings.orders is None and not layout.chargers:
+    battery = episode.settings.battery
+    if episode.settings.orders is None and not episode.layout.chargers:
         return None  # in the chapter's task, a flat battery simply ends the episode
-    reach, far = battery.capacity / battery.step_cost(episode.cell_size), _steps_to_charger(episode)
-    robots = [robot for robot in _flat(episode) if far[robot] > reach]
-    if not robots:
-        return None
-    sentence = (
-        f"{_named(robots, cells)} ran out of battery; no charger is within the {reach:.0f} steps "
-        "that a full battery lasts"
-    )
-    return Evidence(sentence, [cells[robot] for robot in robots], episode.steps, robots)
+    reach = battery.capacity / battery.step_cost(episode.cell_size)
+    steps = distances(episode.layout, episode.layout.chargers).ravel()[episode.cells[-1]]
+    robots = [robot for robot in _flat(episode) if steps[robot] > reach]
+    sentence = f"; no charger is within the {reach:.0f} steps that a full battery lasts"
+    return _ran_out(episode, robots, sentence, episode.steps) if robots else None
 
 
-def _steps_to_charger(episode: Episode) -> NDArray[np.float64]:
-    """Return the steps from the last cell of each robot to the nearest charger, ``[R]``."""
-    field = distances(episode.layout, episode.layout.chargers).ravel()
-    steps: NDArray[np.float64] = field[episode.cells[-1]]
-    return steps
+def _ran_out(episode: Episode, robots: Sequence[int], end: str, steps: int) -> Evidence:
+    """Return the evidence that robots ran out of battery, with the end of the sentence."""
+    cells = _ends(episode)
+    sentence = f"{_named(robots, cells)} ran out of battery{end}"
+    return Evidence(sentence, [cells[robot] for robot in robots], steps, robots)
 
 
 def _oversubscribed(episode: Episode) -> Evidence | None:
-    robots, cells, used = _flat(episode), _ends(episode), _charger_use(episode)
-    if not robots or not used or not (used.supply < used.drain or used.share >= BUSY_SHARE):
+    robots, (supply, share, use) = _flat(episode), _charger_use(episode)
+    if not robots or not use or not (supply < 1 or share >= BUSY_SHARE):
         return None
-    sentence = f"{_named(robots, cells)} ran out of battery; {used.sentence}"
-    return Evidence(sentence, [cells[robot] for robot in robots], episode.steps, robots)
+    return _ran_out(episode, robots, use, episode.steps)
 
 
-class ChargerUse(NamedTuple):
-    """Units per step that chargers supply and robots use, and the share of steps in use."""
+def _charger_use(episode: Episode) -> tuple[float, float, str]:
+    """Return the supply of chargers, the share of steps that they are in use, and both in words.
 
-    supply: float
-    drain: float
-    share: float
-    sentence: str
-
-
-def _charger_use(episode: Episode) -> ChargerUse | None:
+    The supply is a share of what the robots use. The words end a sentence; without chargers there
+    are none.
+    """
     battery, chargers = episode.settings.battery, len(episode.layout.chargers)
     if not chargers:
-        return None
-    supply = chargers * battery.step_charge(episode.cell_size)
+        return 0.0, 0.0, ""
     drain = episode.robots * battery.step_cost(episode.cell_size)
+    supply = chargers * battery.step_charge(episode.cell_size) / drain
     share = episode.measures.charging / (chargers * max(episode.steps, 1))
-    sentence = (
-        f"{counted(chargers, 'charger')}, in use in {share:.0%} of the steps, can supply "
-        f"{supply / drain:.2f} times what {counted(episode.robots, 'robot')} use"
+    words = (
+        f"; {counted(chargers, 'charger')}, in use in {share:.0%} of the steps, can supply "
+        f"{supply:.2f} times what {counted(episode.robots, 'robot')} use"
     )
-    return ChargerUse(supply, drain, share, sentence)
+    return supply, share, words
 
 
 def _flat_in_the_way(episode: Episode) -> Evidence | None:
@@ -560,19 +551,19 @@ def _flat_in_the_way(episode: Episode) -> Evidence | None:
     queue = _longest(episode, robots)
     if not blocked and not queue:
         return None
-    sentence = f"{_named(robots, cells)} ran out of battery and "
     if not queue:
-        sentence += f"blocked {counted(blocked, 'move')} of other robots{_supply(episode)}"
-        return Evidence(sentence, [cells[robot] for robot in robots], blocked, robots)
-    sentence += f"blocked {_named(queue.robots[:-1], cells)} for the last {_count(queue.steps)}"
-    where = [cells[robot] for robot in queue.robots]
-    return Evidence(f"{sentence}{_supply(episode)}", where, queue.steps, queue.robots)
+        sentence = f" and blocked {counted(blocked, 'move')} of other robots{_supply(episode)}"
+        return _ran_out(episode, robots, sentence, blocked)
+    sentence = (
+        f"{_named(robots, cells)} ran out of battery and blocked {_named(queue.robots[:-1], cells)}"
+        f" for the last {_count(queue.steps)}{_supply(episode)}"
+    )
+    return Evidence(sentence, [cells[each] for each in queue.robots], queue.steps, queue.robots)
 
 
 def _supply(episode: Episode) -> str:
     """Return the end of a sentence about flat batteries: the chargers, and the lost orders."""
-    used = _charger_use(episode)
-    return (f"; {used.sentence}" if used else "") + _lost(episode)
+    return _charger_use(episode)[-1] + _lost(episode)
 
 
 def _lost(episode: Episode) -> str:
@@ -581,13 +572,12 @@ def _lost(episode: Episode) -> str:
 
 
 def _stranded(episode: Episode) -> Evidence | None:
-    robots, cells, failed = _flat(episode), _ends(episode), episode.measures.stranded
+    robots, failed = _flat(episode), episode.measures.stranded
     if not robots:
         # A record has the battery level of each robot, but of failures only their number.
         sentence = f"{counted(failed, 'robot')} failed permanently{_lost(episode)}"
         return Evidence(sentence, (), 0, ()) if failed else None
-    sentence = f"{_named(robots, cells)} ran out of battery{_supply(episode)}"
-    return Evidence(sentence, [cells[robot] for robot in robots], 0, robots)
+    return _ran_out(episode, robots, _supply(episode), 0)
 
 
 def _deadlock(episode: Episode) -> Evidence | None:
