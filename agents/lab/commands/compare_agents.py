@@ -75,7 +75,7 @@ def compare_agents(
     for path in save:
         from agents.lab.trials.figure import scores_figure
 
-        save_picture(scores_figure(groups, measures), path)
+        save_picture(scores_figure(groups, measures, EXPLANATION), path)
     for title, scores in groups.items():
         for table in scores_tables(scores, title, measures):
             print_table(table)
