@@ -46,8 +46,8 @@ MAY_IMPORT = {
         "arguments errors extras fleet gymnasium_env listing render task wording world"
     ),
     "warehouse_core/viz/axes": "records render world",
-    "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
-    "warehouse_core/viz/player": "arguments files orders render viz/tracks wording world",
+    "warehouse_core/viz/tracks": "arguments errors motion records render wording world",
+    "warehouse_core/viz/player": "arguments files render viz/tracks wording world",
     "warehouse_core/viz/svg": "arguments errors records render viz/tracks wording world",
     "warehouse_core/viz": (
         "arguments errors extras files fleet records render viz/axes viz/player viz/svg "
