@@ -50,7 +50,7 @@ def large_fleet(robots: int) -> Track:
     for frame in track.frames:
         blocked = random.choice(robots, robots // 50, replace=False).tolist()
         poses = [(robot, frame.robots[robot]) for robot in sorted(blocked)]
-        frame.hits = tuple(DrawnHit(pose.at, "") for _, pose in poses if pose)
+        frame.hits = tuple(DrawnHit(pose.at, "", robot) for robot, pose in poses if pose)
     return track
 
 

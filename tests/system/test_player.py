@@ -170,6 +170,27 @@ def test_a_chart_is_clicked_and_dragged(page: Shown, track: Track) -> None:
     assert steps(page) == track.steps
 
 
+def events(track: Track, robot: int) -> list[int]:
+    """Return the frames in which a robot picks, drops or is blocked."""
+    found = []
+    for index, (before, frame) in enumerate(zip(track.frames, track.frames[1:], strict=False), 1):
+        was, now = before.robots[robot], frame.robots[robot]
+        assert was
+        assert now
+        if was.loaded != now.loaded or any(hit.robot == robot for hit in frame.hits):
+            found.append(index)
+    return found
+
+
+def test_n_goes_from_event_to_event_and_says_which(page: Shown, track: Track) -> None:
+    for step, words in zip(events(track, 0), ("item picked up", "item delivered"), strict=True):
+        page.press("n")
+        assert (steps(page), page.part("event").inner_text()) == (step, words)
+    page.page.get_by_role("button", name="Next event").click()
+    assert steps(page) == track.steps
+    assert "no more events" in page.part("event").inner_text()
+
+
 def test_keys_with_ctrl_are_the_browsers(page: Shown) -> None:
     page.press("Control+ArrowRight")
     assert page.read("player.step") == 0
@@ -177,7 +198,7 @@ def test_keys_with_ctrl_are_the_browsers(page: Shown) -> None:
 
 def test_help_is_a_dialog_whose_keys_are_its_own(page: Shown) -> None:
     dialog = page.part("helping")
-    page.press("?", "ArrowRight")
+    page.press("?", "ArrowRight", "n")
     assert dialog.is_visible()
     assert steps(page) == 0
     page.press("Escape", "ArrowRight")
@@ -265,7 +286,7 @@ def test_a_robot_is_chosen_by_a_click_and_by_its_number(crowd: Shown, fleet: Tra
 
 def test_typing_a_number_does_not_play_or_step(crowd: Shown) -> None:
     crowd.part("number").click()
-    crowd.press("2", "Home", "Space")
+    crowd.press("2", "Home", "n", "Space")
     assert crowd.read("[player.chosen, player.step, player.isPlaying]") == [2, 0, False]
 
 

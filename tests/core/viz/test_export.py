@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import imageio_ffmpeg
 import numpy as np
@@ -17,11 +18,12 @@ from PIL import Image, ImageSequence
 
 from warehouse_core.errors import FormatError
 from warehouse_core.viz.export import FORMATS, mp4_frames
-from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.viz.figure import SceneFigure, save_svg
 from warehouse_core.viz.gif_writer import GifWriter, indexed
 from warehouse_core.viz.pixel_box import PixelBox
 
 FRAMES = 7
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 def saved(folder: Path, suffix: str, **options: float) -> Path:
@@ -36,6 +38,9 @@ def films(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("films")
     for suffix in FORMATS:
         saved(folder, suffix)
+    replay = replay_of(short_episode())
+    replay.show_still()
+    save_svg(replay.figure, folder / "still.svg")
     return folder
 
 
@@ -130,6 +135,24 @@ def test_a_png_shows_the_end(films: Path) -> None:
     with Image.open(films / "film.png") as image:
         assert image.format == "PNG"
         assert np.array_equal(image.convert("RGB"), drawn(FRAMES - 1))
+
+
+# SVG.
+
+
+def test_a_still_svg_shows_the_end(films: Path) -> None:
+    text = (films / "still.svg").read_text(encoding="utf-8")
+    assert "dc:date" not in text
+    # Letters are shapes; matplotlib adds a comment with their text.
+    assert "<!-- step 6 of 6 -->" in text
+    assert "<!-- DELIVERED -->" in text
+    assert "step 0 of 6" not in text
+    root = ElementTree.fromstring(text)
+    assert root.tag == f"{SVG}svg"
+    assert not list(root.iter(f"{SVG}text")), "no font is needed to show it"
+    colors = set(re.findall(r"#[0-9a-f]{6}", text))
+    wall, pickup, dropoff, robot = "#1a1a1a", "#3399ff", "#33cc4c", "#e63333"
+    assert {wall, pickup, dropoff, robot} <= colors
 
 
 # MP4.

@@ -54,6 +54,13 @@ def background_drawings(monkeypatch: pytest.MonkeyPatch) -> list[SceneFigure]:
     return drawings
 
 
+def test_a_frame_over_the_cached_background_equals_a_new_drawing(replay: Replay) -> None:
+    pixels(replay)
+    for frame in (1, 6, 2):
+        replay.go_to(frame)
+        assert np.array_equal(pixels(replay), drawn_in_new_figure(frame)), f"frame {frame}"
+
+
 def test_frames_do_not_draw_the_background_again(replay, background_drawings) -> None:
     pixels(replay)
     before = len(background_drawings)

@@ -37,7 +37,7 @@ function playAtFirst(player, isToPlay) {
 
 function connect(player) {
   const find = (name) => player.find(name);
-  const [slider, play, speed, place] = ["slider", "play", "speed", "place"].map(find);
+  const [slider, play, speed, place, event] = ["slider", "play", "speed", "place", "event"].map(find);
   const { time } = player.longest;
   slider.max = time.length - 1;
   slider.addEventListener("input", () => player.seek(time[slider.value]));
@@ -52,6 +52,7 @@ function connect(player) {
     forward: () => player.move(1),
     first: () => player.seek(0),
     last: () => player.seek(player.end),
+    event: () => player.goToEvent(),
     larger: () => player.zoom(ZOOM),
     smaller: () => player.zoom(1 / ZOOM),
     fit: () => player.fit(),
@@ -74,14 +75,16 @@ function connect(player) {
     play.classList.toggle("playing", player.isPlaying);
     play.ariaLabel = player.isPlaying ? "Pause" : "Play";
     setText(place, player.place);
+    setText(event, player.event);
     if (player.isPlaying) return;
+    const words = [player.event, ...player.panels.map((panel) => panel.place)];
     // A screen reader reads changes aloud, which would be too much while the page plays.
-    setText(find("status"), player.panels.map((panel) => panel.place).join(". "));
+    setText(find("status"), words.filter(Boolean).join(". "));
   });
 }
 
 const KEYS = {
-  " ": "play", ArrowLeft: "back", ArrowRight: "forward", Home: "first", End: "last",
+  " ": "play", ArrowLeft: "back", ArrowRight: "forward", Home: "first", End: "last", n: "event",
   v: "arrows", "?": "help", "+": "larger", "=": "larger", "-": "smaller", 0: "fit", "<": "slower",
   ">": "faster", ",": "slower", ".": "faster",
 };

@@ -7,7 +7,7 @@ import { FleetPanel } from "./fleet.js";
 import { drawLegend } from "./legend.js";
 import { Panel } from "./panel.js";
 import { seconds, shown } from "./scale.js";
-import { Track } from "./track.js";
+import { nextEvent, Track } from "./track.js";
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16];
 
@@ -26,6 +26,8 @@ const MAX_COLUMNS = 3;
 
 const MAX_NAME = 16;
 const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+
+const WORDS = { hit: "collision", pick: "item picked up", drop: "item delivered" };
 
 /** Return the words in which titles differ, or letters if these words are too long. */
 export function shortNames(titles) {
@@ -177,6 +179,26 @@ export class Player {
     // A step may take no time: a body that knows its path leaves a bump out.
     while (steps < 0 && step > 0 && this.longest.timeOf(step) >= this.time) step--;
     this.goTo(step);
+  }
+
+  /** Pause at the next hit, pickup or drop; if a robot is chosen, only at its events. */
+  goToEvent() {
+    const found = this.tracks.flatMap((track) => {
+      const bodies = this.chosen === null ? [...Array(track.robots).keys()] : [this.chosen];
+      const event = nextEvent(track, track.at(this.time).frame, bodies);
+      return event ? [{ ...event, time: track.time[event.frame], track }] : [];
+    });
+    found.sort((a, b) => a.time - b.time);
+    const [next] = found;
+    const robot = next?.track.robots > 1 ? `robot ${next.body}: ` : "";
+    const words = next ? `${robot}${WORDS[next.what]}` : "no more events";
+    this.lastEvent = { time: next ? next.time : this.end, words };
+    this.seek(this.lastEvent.time);
+  }
+
+  /** The event at the present time in words, if `goToEvent` has led there. */
+  get event() {
+    return this.lastEvent?.time === this.time ? this.lastEvent.words : "";
   }
 
   /** Choose a robot by its number, or no robot if it is `null` or missing in one of the tracks. */

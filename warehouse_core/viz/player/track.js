@@ -157,10 +157,19 @@ export class Track {
 
   /** Return the hits in a frame. */
   hitsIn(frame) {
-    const { x, y, size, labels, labelAt } = this.hits;
+    const { x, y, robot, size, labels, labelAt } = this.hits;
     return entriesIn(this.hits.frame, frame).map((i) => (
-      { x: x[i], y: y[i], size: size[i], label: labels[labelAt[i]] }
+      { x: x[i], y: y[i], robot: robot[i], size: size[i], label: labels[labelAt[i]] }
     ));
+  }
+
+  /** Return whether a frame shows a hit of a robot that the previous frame did not show. */
+  isHit(body, frame) {
+    const mine = (hit) => hit.robot === body;
+    const before = frame ? this.hitsIn(frame - 1).filter(mine) : [];
+    return this.hitsIn(frame)
+      .filter(mine)
+      .some((hit) => !this.isContinuous || !before.some((old) => old.x === hit.x && old.y === hit.y));
   }
 
   /** Return the points of the planned path of a single robot in a frame. */
@@ -191,6 +200,27 @@ export class Track {
     const { pushes } = this.fleet;
     return entriesIn(pushes.frame, frame).map((i) => [pushes.pusher[i], pushes.robot[i]]);
   }
+}
+
+/** Return the names of the events of a robot in a frame: "hit", "pick" or "drop". */
+export function eventsOf(track, body, frame) {
+  const found = [];
+  const [before, now] = [track.isLoaded(body, frame - 1), track.isLoaded(body, frame)];
+  if (!before && now) found.push("pick");
+  if (before && !now) found.push("drop");
+  if (track.isHit(body, frame)) found.push("hit");
+  return found;
+}
+
+/** Return the first event of some bodies after a frame, or `null`. */
+export function nextEvent(track, frame, bodies) {
+  for (let next = frame + 1; next < track.frames; next++) {
+    for (const body of bodies) {
+      const [what] = eventsOf(track, body, next);
+      if (what) return { frame: next, body, what };
+    }
+  }
+  return null;
 }
 
 /** Return a map from cells to the number of visits of a body up to a frame. */

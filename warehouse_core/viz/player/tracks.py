@@ -258,10 +258,10 @@ def _hits(frames: Sequence[Frame], columns: Columns) -> dict[str, Any]:
     found = [(index, hit) for index, frame in enumerate(frames) for hit in frame.hits]
     labels, label_at = _indexed(_cut(hit.label) for _, hit in found)
     rows = [
-        (index, *hit.at, hit.size, label)
+        (index, *hit.at, hit.robot, hit.size, label)
         for (index, hit), label in zip(found, label_at, strict=True)
     ]
-    return {"labels": labels, **columns.table("frame x y size labelAt", rows, FINE)}
+    return {"labels": labels, **columns.table("frame x y robot size labelAt", rows, FINE)}
 
 
 def _lines(frames: Sequence[Frame], columns: Columns) -> dict[str, Any]:

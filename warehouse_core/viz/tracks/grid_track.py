@@ -69,20 +69,24 @@ def _check_grids(grids: list[list[str]]) -> None:
 
 
 def _numbers(metrics: Mapping[str, Sequence[float | None]], frames: int) -> dict[str, list[float]]:
-    numbers: dict[str, list[float]] = {}
     for name, values in metrics.items():
         if name not in METRICS:
             raise ValueError(f"metric {name!r} is unknown; allowed: {', '.join(METRICS)}")
         if len(values) != frames:
             raise ValueError(f"metric {name!r} has {len(values)} entries for {frames} frames")
-        numbers[name] = []
-        for frame, value in enumerate(values):
-            try:
-                numbers[name].append(math.nan if value is None else float(value))
-            except (TypeError, ValueError):
-                numbers[name].append(math.inf)
-            if math.isinf(numbers[name][-1]):
-                raise ValueError(
-                    f"metric {name!r}, frame {frame}: {value!r} is not a finite number, None or NaN"
-                )
-    return numbers
+    return {
+        name: [_number(name, frame, value) for frame, value in enumerate(values)]
+        for name, values in metrics.items()
+    }
+
+
+def _number(name: str, frame: int, value: float | None) -> float:
+    try:
+        number = math.nan if value is None else float(value)
+    except (TypeError, ValueError):
+        number = math.inf
+    if math.isinf(number):
+        raise ValueError(
+            f"metric {name!r}, frame {frame}: {value!r} is not a finite number, None or NaN"
+        )
+    return number

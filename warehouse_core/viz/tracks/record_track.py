@@ -341,7 +341,7 @@ def _hits(episode: Episode, step: int) -> tuple[DrawnHit, ...]:
         row, col = episode.layout.cell(episode.cells[step, robot])
         action = int(actions[robot])
         down, right = DISPLACEMENTS[action] if action < WAIT else (0, 0)
-        hits.append(DrawnHit((col + 0.5 + right / 2, row + 0.5 + down / 2), ""))
+        hits.append(DrawnHit((col + 0.5 + right / 2, row + 0.5 + down / 2), "", robot))
     return tuple(hits)
 
 
@@ -478,9 +478,9 @@ def frames_along(
     ]
     energy = _energy(motions[0], times)
     hits: list[list[DrawnHit]] = [[] for _ in times]
-    for motion in motions:
+    for robot, motion in enumerate(motions):
         for contact in motion.contacts:
-            hit = hit_of(contact, size, impulse_words(contact.impulse))
+            hit = hit_of(contact, size, impulse_words(contact.impulse), robot)
             end = bisect_right(times, contact.seconds + FLASH_SECONDS)
             for number in range(bisect_left(times, contact.seconds), end):
                 hits[number].append(hit)
@@ -561,7 +561,7 @@ def impulse_words(impulse: float) -> str:
     return f"{impulse:.{0 if impulse >= 9.95 else 1}f} N·s"
 
 
-def hit_of(contact: Contact, cell_size: float, label: str = "") -> DrawnHit:
+def hit_of(contact: Contact, cell_size: float, label: str = "", robot: int = 0) -> DrawnHit:
     """Return the hit to draw for a contact, whose point is in metres.
 
     The area of a labelled burst is proportional to the impulse, within limits.
@@ -569,4 +569,4 @@ def hit_of(contact: Contact, cell_size: float, label: str = "") -> DrawnHit:
     x, y = contact.point
     usual, least, most = LOOK["burst"].values()
     size = min(max(math.sqrt(max(contact.impulse, 0.0) / usual), least), most) if label else 1.0
-    return DrawnHit((x / cell_size, y / cell_size), label, size)
+    return DrawnHit((x / cell_size, y / cell_size), label, robot, size)

@@ -43,13 +43,14 @@ Line = tuple[bool, Point, Point]
 
 @dataclass(frozen=True, slots=True)
 class DrawnHit:
-    """A collision: its position in cells, its label and its size.
+    """A collision: its position in cells, its label, the index of the robot, and its size.
 
     The size is a factor on the size of its burst, which grows with the impulse.
     """
 
     at: Point
     label: str
+    robot: int = 0
     size: float = 1.0
 
 

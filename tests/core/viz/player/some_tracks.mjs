@@ -38,10 +38,10 @@ export function trackOf(bodies, changes = {}) {
   });
 }
 
-/** Return hits, given as [frame, x, y] in the order of their frames. */
+/** Return hits, given as [frame, x, y, robot] in the order of their frames. */
 export function hitsOf(hits) {
-  const [frame, x, y] = [0, 1, 2].map((part) => hits.map((hit) => hit[part]));
-  return { frame, x, y, size: hits.map(() => 1), labels: ["12 N·s"], labelAt: hits.map(() => 0) };
+  const [frame, x, y, robot] = [0, 1, 2, 3].map((part) => hits.map((hit) => hit[part]));
+  return { frame, x, y, robot, size: hits.map(() => 1), labels: ["12 N·s"], labelAt: hits.map(() => 0) };
 }
 
 /** Return one body that is in the middle of each cell of a row in turn. */

@@ -83,6 +83,7 @@ def check_frame(found: dict[str, Any], frame: Frame, index: int, unit: float) ->
             turned = (body["heading"] - pose.heading) / (2 * math.pi)
             assert abs(turned - round(turned)) <= 0.51 / TURN
     assert [hit["label"] for hit in found["hits"]] == [hit.label for hit in frame.hits]
+    assert [hit["robot"] for hit in found["hits"]] == [hit.robot for hit in frame.hits]
     for hit, known in zip(found["hits"], frame.hits, strict=True):
         assert math.dist((hit["x"], hit["y"]), known.at) <= 1 / 1024
 

@@ -6,6 +6,7 @@ import {
   heldUpUntil,
   indexAt,
   marksUntil,
+  nextEvent,
   visitsUntil,
 } from "../../../../warehouse_core/viz/player/track.js";
 import { along, hitsOf, trackOf } from "./some_tracks.mjs";
@@ -97,11 +98,21 @@ test("the caption is that of the step under way", () => {
 });
 
 test("each frame has its own hits", () => {
-  const hits = hitsOf([[0, 1, 1], [2, 2, 2], [2, 3, 3]]);
+  const hits = hitsOf([[0, 1, 1, 0], [2, 2, 2, 1], [2, 3, 3, 0]]);
   const track = trackOf([along([0, 0, 0]), along([1, 1, 1])], { hits });
   const shown = [0, 1, 2].map((frame) => track.hitsIn(frame).map((hit) => hit.x));
   assert.deepEqual(shown, [[1], [], [2, 3]]);
-  assert.deepEqual(track.hitsIn(2)[0], { x: 2, y: 2, size: 1, label: "12 N·s" });
+  assert.deepEqual(track.hitsIn(2)[0], { x: 2, y: 2, robot: 1, size: 1, label: "12 N·s" });
+});
+
+test("a hit that is shown for several frames is one event, and in steps each is one", () => {
+  const hits = hitsOf([[1, 1, 1, 0], [2, 1, 1, 0], [2, 2, 2, 0], [3, 2, 2, 0]]);
+  const isHit = (isContinuous) => {
+    const track = trackOf([along([0, 1, 2, 3])], { hits, isContinuous });
+    return [0, 1, 2, 3].map((frame) => track.isHit(0, frame));
+  };
+  assert.deepEqual(isHit(true), [false, true, true, false]);
+  assert.deepEqual(isHit(false), [false, true, true, true]);
 });
 
 test("a route is that of its frame", () => {
@@ -109,6 +120,25 @@ test("a route is that of its frame", () => {
   const track = trackOf([along([0, 1, 2])], { route });
   assert.deepEqual([0, 1, 2].map((frame) => track.routeIn(frame)), [[[1, 4]], [], [[2, 5], [3, 6]]]);
   assert.deepEqual(trackOf([along([0])]).routeIn(0), []);
+});
+
+test("the next event is a pick, a drop or a hit, of the robots asked for", () => {
+  const loads = [0, 0, 1, 1, 0].map((load, frame) => [frame + 0.5, 0.5, load]);
+  const track = trackOf([loads, along([5, 6, 7, 8, 9])], { hits: hitsOf([[3, 8, 1, 1]]) });
+  const walk = (bodies) => {
+    const found = [];
+    for (let event = nextEvent(track, 0, bodies); event; event = nextEvent(track, event.frame, bodies)) {
+      found.push([event.frame, event.body, event.what]);
+    }
+    return found;
+  };
+  assert.deepEqual(walk([0, 1]), [[2, 0, "pick"], [3, 1, "hit"], [4, 0, "drop"]]);
+  assert.deepEqual(walk([1]), [[3, 1, "hit"]]);
+});
+
+test("a robot that starts with an item has picked nothing, whatever the one before it did", () => {
+  const track = trackOf([along([0, 1]), along([3, 4], 1)]);
+  assert.equal(nextEvent(track, 0, [0, 1]), null);
 });
 
 test("orders wait after the steps that say so, and a track without any has none", () => {
