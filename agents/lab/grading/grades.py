@@ -103,6 +103,47 @@ def load_days(path: Path) -> dict[str, int]:
         raise GradeError(f"{path}: not a table of late submissions: {error}") from None
 
 
+class GradeTable:
+    """A file with a table of grades, to which no other program may write meanwhile.
+
+    Somebody may edit it in a spreadsheet while a class is graded.
+
+    Args:
+        path: file, which need not exist; see ``load_grades``.
+        columns: columns of the table.
+
+    Attributes:
+        before: rows that the file had, by the names of the submissions.
+    """
+
+    def __init__(self, path: Path, columns: Sequence[str]) -> None:
+        self._path, self._columns, self._state = path, columns, _state_of(path)
+        self.before = load_grades(path, columns)
+
+    def save(self, rows: Mapping[str, GradeRow]) -> None:
+        """Write the table; see ``save_grades``.
+
+        Raises:
+            GradeError: the file is not as this object has read or written it.
+        """
+        if _state_of(self._path) != self._state:
+            raise GradeError(
+                f"{self._path}: another program has written or removed it meanwhile; run the same "
+                "command again when no other one uses the file"
+            )
+        save_grades(self._path, self._columns, rows)
+        self._state = _state_of(self._path)
+
+
+def _state_of(path: Path) -> tuple[int, int, int] | None:
+    """Return what differs after a change of a file, or ``None`` if there is no file."""
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        return None
+    return status.st_dev, status.st_ino, status.st_mtime_ns
+
+
 def save_grades(path: Path, columns: Sequence[str], rows: Mapping[str, GradeRow]) -> None:
     """Write the table in the order of the names; after an error the old file is unchanged."""
     lines = ([rows[name].get(column, "") for column in columns] for name in sorted(rows))

@@ -23,11 +23,10 @@ from agents.lab.grading.grades import (
     POINTS,
     RUBRIC,
     GradeRow,
+    GradeTable,
     columns_of,
     failed_row,
-    load_grades,
     row_of,
-    save_grades,
     summary_of,
 )
 from agents.lab.grading.gradescope import results_of
@@ -64,7 +63,7 @@ def grade_folder(
 ) -> dict[str, GradeRow]:
     """Grade the submissions in a folder that have changed, and return the table of grades.
 
-    The table is written after each submission.
+    The table is written after each submission, unless another program has changed it meanwhile.
 
     Args:
         folder: folder of the submissions.
@@ -87,17 +86,17 @@ def grade_folder(
     ours = [target, *rubric.files, rubric.starter, *([pages] if pages else []), *other]
     found = _with_days(folder, list(in_folder(folder, kind, ours)), late or {})
     columns, rows, waiting = columns_of(rubric), dict[str, GradeRow](), list[Submission]()
-    before = load_grades(target, columns)
-    find = finder_of(before)
+    table = GradeTable(target, columns)
+    find = finder_of(table.before)
     for each in found:
-        row = before.get(find(printable(each.name)) or "")
+        row = table.before.get(find(printable(each.name)) or "")
         if isinstance(each, Unusable):
             rows[each.name] = failed_row(each, each.reason, rubric)
         elif row and _is_done(each, row, rubric) and all(map(Path.exists, _files_of(pages, each))):
             rows[each.name] = {name: row[name] for name in columns} | {NAME: printable(each.name)}
         else:
             waiting.append(each)
-    save_grades(target, columns, rows)
+    table.save(rows)
     try:
         with (
             Processes(max(min(count, len(waiting)), 1), watchdog) as pool,
@@ -107,7 +106,7 @@ def grade_folder(
             for number, future in enumerate(as_completed(futures), 1):
                 each = futures[future]
                 rows[each.name] = _row(future, each, rubric)
-                save_grades(target, columns, rows)
+                table.save(rows)
                 advance(number, each.name)
     except KeyboardInterrupt:
         done = f"{len(rows)} of {counted(len(found), 'submission')} are in {target}"

@@ -9,6 +9,7 @@ from helpers.submissions import write_rubric
 from agents.errors import GradeError
 from agents.lab.grading.grades import (
     POINTS,
+    GradeTable,
     failed_row,
     load_days,
     load_grades,
@@ -105,3 +106,18 @@ def test_a_class_is_summarised(tmp_path: Path) -> None:
         "average)",
     ]
     assert summary_of([full], rubric) == ["mean 100.0, median 100; all points: 1, no points: 0"]
+
+
+def test_a_table_that_another_program_has_changed_is_not_overwritten(tmp_path) -> None:
+    path = tmp_path / "grades.csv"
+    first, second = GradeTable(path, COLUMNS), GradeTable(path, COLUMNS)
+    row = dict(zip(COLUMNS, ("ann", "27", "30", "10", "", "c", "r"), strict=True))
+    for points in ("27", "28"):
+        first.save({"ann": row | {"points": points}})
+    with pytest.raises(GradeError, match=r"grades\.csv: another program has written or removed it"):
+        second.save({})
+    assert GradeTable(path, COLUMNS).before["ann"]["points"] == "28"
+    path.unlink()
+    with pytest.raises(GradeError, match="another program has written or removed it"):
+        first.save({"ann": row})
+    assert not path.exists()
