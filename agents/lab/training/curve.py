@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-from matplotlib.ticker import EngFormatter
+from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from agents.lab.training.exams import ExamPoint, mean_length
 from agents.lab.trials.figure import BOUND, PIXELS, draw_legend, make_panels, scale_axis
@@ -61,8 +61,9 @@ def learning_curve(
         for each, (of, form, _) in panels.items()
     ]
     labels = [f"{printable(name)}, with {CONFIDENCE:.0%} intervals", "greedy"]
-    words = [EngFormatter(sep="").format_eng(float(f"{each.steps:.3g}")) for each in points]
-    places = {word: float(each.steps) for word, each in zip(words, points, strict=True)}
+    written = EngFormatter(sep="").format_eng
+    rounded = MaxNLocator(5).tick_values(0, points[-1].steps)
+    places = {written(each): float(each) for each in rounded if 0 <= each <= points[-1].steps}
     figure, all_axes = make_panels(title, titles, labels, "training steps", places, len(titles))
     steps = [each.steps for each in points]
     for axes, (of, _, unit) in zip(all_axes, panels.values(), strict=True):
