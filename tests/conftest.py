@@ -1,6 +1,5 @@
 """Fixtures that several test files share, such as a recorded episode and a limit on memory."""
 
-import gc
 import random
 import signal
 import tracemalloc
@@ -21,11 +20,6 @@ settings.register_profile("warehouse", deadline=None, database=None, derandomize
 settings.load_profile("warehouse")
 
 MAX_MEMORY = 64 * 1024 * 1024
-
-
-def pytest_collection_finish() -> None:
-    """Let the garbage collector skip modules and tests, which exist until the end."""
-    gc.freeze()
 
 
 @pytest.fixture(params=["arrays", "loops"])
