@@ -37,7 +37,7 @@ ROUNDS = 100
 CROWDED = 1.3
 """Ratio of cost to lower bound above which a floor counts as crowded."""
 
-FIRST_SHARE = 0.1
+FIRST_SHARE = 0.2
 """Share of the time for a first plan, after which guided searches look for one."""
 
 WINDOWS = 16, 40
@@ -51,7 +51,7 @@ time, and fail more often.
 ATTEMPTS = 6
 """Limit on guided searches, which use these numbers in turn, each with another seed."""
 
-GUIDED_SHARE, MORE_SHARE = 0.8, 0.6
+GUIDED_SHARE, MORE_SHARE = 0.7, 0.6
 """Shares of the time after which the first guided plan, and more of them, are no longer sought."""
 
 PATIENCE = 25
