@@ -1,10 +1,10 @@
 """Anytime planning: the best plan within a time limit, from LaCAM, guidance, proofs and LNS.
 
 Each problem gets the methods that suit its size and density. LaCAM usually makes the first plan. On
-crowded floors, this plan decides the quality, so LaCAM is run again with local guidance, which
-leads robots around one another. For small teams, CBS and LaCAM* may prove that a plan is optimal.
-For robots with headings, turns are added to the best plan without headings. Finally LNS refines the
-plan.
+crowded floors, this plan decides the quality, so LaCAM is run again with local guidance, in which
+robots plan their next steps around one another. For small teams, CBS and LaCAM* may prove that a
+plan is optimal. For robots with headings, turns are added to the best plan without headings.
+Finally LNS refines the plan.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ FIRST_SHARE = 0.2
 """Share of the time for a first plan, after which guided searches look for one."""
 
 WINDOWS = 16, 40
-"""Numbers of steps through which guidance leads the robots, one search for each.
+"""Numbers of steps that guidance plans ahead; guided searches use them in turn.
 
 On 16 random floors with 400 robots on 785 cells, plans cost 3.7 times the lower bound without
 guidance, and 2.9, 2.5 and 2.3 times with windows of 10, 16 and 48 steps. Longer windows take more
@@ -49,7 +49,7 @@ time, and fail more often.
 """
 
 ATTEMPTS = 6
-"""Limit on guided searches, which use these numbers in turn, each with another seed."""
+"""Limit on guided searches, each of which has another seed."""
 
 GUIDED_SHARE, MORE_SHARE = 0.7, 0.6
 """Shares of the time after which the first guided plan, and more of them, are no longer sought."""
@@ -96,11 +96,7 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
     begin = perf_counter()
     deadline, has_headings = begin + seconds, problem.headings is not None
     search, is_small = LaCAM(problem, seed), problem.robots <= SMALL_TEAM
-    share = 1.0 if has_headings or is_small else FIRST_SHARE
-    search.search(begin + share * seconds, goes_on=False)
-    plan = search.plan()
-    if not (has_headings or is_small or search.is_done):
-        plan = _guided(search, plan, seed, begin, seconds)
+    plan = None if has_headings or is_small else _guided(search, seed, begin, seconds)
     if plan is None:
         plan = search.run(max(deadline - perf_counter(), 0.0), goes_on=False)
     if has_headings:
@@ -130,20 +126,18 @@ def can_refine(problem: Problem, plan: Plan) -> bool:
     return 0 < plan.makespan * places < MAX_STATES
 
 
-def _guided(
-    search: LaCAM, plan: Plan | None, seed: int, start: float, seconds: float
-) -> Plan | None:
-    """Return the best of a plan and of guided plans; on a floor that is not crowded, the plan.
+def _guided(search: LaCAM, seed: int, start: float, seconds: float) -> Plan | None:
+    """Return the best first plan of a search and, on crowded floors, of guided searches, if any.
 
     Args:
         search: search without guidance.
-        plan: plan that it has found, if any.
         seed: seed of the first guided search.
         start: begin of the planning, in seconds of ``perf_counter``.
         seconds: time limit from then on.
     """
-    problem, is_found = search.problem, False
-    for attempt in range(ATTEMPTS):
+    search.search(start + FIRST_SHARE * seconds, goes_on=False)
+    problem, plan, is_found = search.problem, search.plan(), False
+    for attempt in range(0 if search.is_done else ATTEMPTS):
         window = WINDOWS[attempt % len(WINDOWS)]
         deadline = start + (MORE_SHARE if is_found else GUIDED_SHARE) * seconds
         is_good = plan is not None and plan.sum_of_costs <= CROWDED * search.lower_bound

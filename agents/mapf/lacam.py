@@ -89,8 +89,8 @@ class LaCAM:
     Args:
         problem: problem to solve. The costs of moves guide the robots, but plans cost their steps.
         seed: seed of random tie-breaks.
-        window: number of steps through which local guidance leads the robots, 0 for none. Robots
-            with headings have no guidance. See ``kernels/local_guidance.py``.
+        window: number of steps that local guidance plans ahead, 0 for no guidance. Robots with
+            headings have none. See ``kernels/local_guidance.py``.
 
     Attributes:
         is_done: true if the search is complete, so that the plan is optimal or none exists.

@@ -96,6 +96,11 @@ class Store:
         ids = dict(self.query("SELECT settings, id FROM cases"))
         return [ids[key] for (key,) in keys]
 
+    def count(self, case_id: int, seeds: range) -> int:
+        """Return the number of stored episodes of a case with the given seeds."""
+        statement = "SELECT count(*) FROM episodes WHERE case_id = ? AND seed >= ? AND seed < ?"
+        return int(next(self.query(statement, case_id, seeds.start, seeds.stop))[0])
+
     def seeds_done(self, case_id: int, seeds: range) -> set[int]:
         """Return the seeds, among the given ones, whose episodes of a case are stored."""
         statement = "SELECT seed FROM episodes WHERE case_id = ? AND seed >= ? AND seed < ?"

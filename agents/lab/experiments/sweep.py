@@ -89,7 +89,7 @@ class SweepRun:
 
     def count(self) -> int:
         """Return the number of stored episodes of the plan."""
-        return sum(len(self._store.seeds_done(each, self._seeds)) for each in self._cases)
+        return sum(self._store.count(each, self._seeds) for each in self._cases)
 
     def episodes(self, executor: Executor, workers: int) -> Iterator[tuple[list[AnyRow], str]]:
         """Run the episodes, and yield new rows in the store and the message of a failure, if any.

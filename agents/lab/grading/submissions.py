@@ -69,7 +69,8 @@ class Submission(NamedTuple):
 
     Attributes:
         name: the typed name; in a folder, the name of the entry that has the agent.
-        shown: file as it was typed, for use in commands, or name of a built-in agent.
+        shown: path of the file as the user typed it, which printed commands repeat, or the name of
+            a built-in agent.
         file: file of the agent, relative to the archive if there is one; ``None`` for a built-in
             agent.
         module: name of the file without its suffix, or of the module of a built-in agent.

@@ -1,4 +1,4 @@
-"""Local guidance: paths through the next steps, which lead the robots around one another.
+"""Local guidance: each robot plans its next steps around the plans of the others.
 
 Before a round of PIBT, each robot in turn finds the cheapest path through a window of steps. The
 path may collide with the paths of others, at a cost. In the round, the robot first tries the first
@@ -12,11 +12,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, table_of
+from agents.mapf.kernels.buffers import Buffer, Table, buffer
 from agents.mapf.kernels.places import ACTIONS, NONE, STAY, Places
 from agents.mapf.kernels.robots import SPREAD, Robots, mix
+from agents.mapf.kernels.space_time_astar import CAME, KNOWN, SEEN, SPENT, Frontier, new_table
 from warehouse_core.compiled import kernel
 
 COLLISION = 3
@@ -29,10 +28,6 @@ lower bound with 1, 2, 3, 4 and 5, and a window of 18 steps.
 BUCKETS = 128
 """Range of costs of a path, from the shortest distance up."""
 
-KNOWN = 3
-SEEN, SPENT, CAME = range(KNOWN)
-"""Fields of the record that a search keeps for each state, which is a cell at a time."""
-
 
 class Guidance(NamedTuple):
     """The guiding paths of ``R`` robots through a window of ``T`` steps.
@@ -42,40 +37,29 @@ class Guidance(NamedTuple):
         paths: ``[R * (T + 1)]``, the cell of each robot at each time; ``NONE`` at first if it has
             no path.
         occupied: ``[(T + 1) * size]``, number of paths in each cell at each time.
-        moved: ``[(T + 1) * size * 4]``, number of paths that move to each side of a cell at each
+        moved: ``[(T + 1) * size * 4]``, number of paths that leave each cell to each side at each
             time.
-        serial: ``[1]``, number of the current search.
-        known: ``[(T + 1) * size * 3]``, for each state: number of the last search that has seen it,
-            cost of the path to it, and previous state.
-        heads: ``[BUCKETS]``, last entry of each bucket, or ``NONE``.
-        entries: states in buckets.
-        below: previous entry in the same bucket, or ``NONE``.
+        frontier: records of a search; a state is ``time * size + cell``.
     """
 
     steps: int
     paths: Table
     occupied: Table
     moved: Table
-    serial: Buffer
-    known: Table
-    heads: Buffer
-    entries: Table
-    below: Table
+    frontier: Frontier
 
 
 def guidance_of(size: int, robots: int, steps: int) -> Guidance:
     """Return the buffers of guidance for the given numbers of cells and robots, with no paths."""
     states = (steps + 1) * size if steps else 0
-    paths, occupied, moved, known, entries, below = (
-        table_of(np.zeros(length, np.int32))
-        for length in (
-            robots * (steps + 1), states, STAY * states, KNOWN * states, 2 * states, 2 * states,
-        )
+    paths = new_table(robots * (steps + 1))
+    for robot in range(robots):
+        paths[robot * (steps + 1)] = NONE
+    frontier = Frontier(
+        serial=buffer(2), known=new_table(KNOWN * states), heads=buffer(BUCKETS, NONE),
+        entries=new_table(2 * states), below=new_table(2 * states),
     )  # fmt: skip
-    paths[:] = table_of(np.full(len(paths), NONE, np.int32))
-    return Guidance(
-        steps, paths, occupied, moved, buffer(1), known, buffer(BUCKETS, NONE), entries, below
-    )
+    return Guidance(steps, paths, new_table(states), new_table(STAY * states), frontier)
 
 
 @kernel
@@ -121,13 +105,13 @@ def find_path(
     or 0 at the goal, and ``COLLISION`` for each path that it collides with. The distance that is
     left after the window is added. Among equally good states, the one added last is expanded first.
     """
-    size, near, steps, known = floor.size, floor.near, guidance.steps, guidance.known
-    heads, entries, below = guidance.heads, guidance.entries, guidance.below
+    size, near, steps, frontier = floor.size, floor.near, guidance.steps, guidance.frontier
+    known, heads, entries, below = frontier.known, frontier.heads, frontier.entries, frontier.below
     start, goal = robots.places[robot], robots.goals[robot]
     turn = mix(robots.random[0] + robot * SPREAD)
     least, count, bucket, last = fields[row + start], 1, 0, NONE
-    guidance.serial[0] += 1
-    serial = guidance.serial[0]
+    frontier.serial[0] += 1
+    serial = frontier.serial[0]
     entries[0], below[0], heads[0] = start, NONE, 0
     known[KNOWN * start + SEEN], known[KNOWN * start + SPENT] = serial, 0
     while bucket < BUCKETS and count + ACTIONS <= len(entries):
