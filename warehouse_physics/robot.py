@@ -442,10 +442,12 @@ class Robot:
         Energy in J that the robot has ``received`` from others is not work of its motor. A motor
         that brakes may recover energy.
         """
+        if not self.is_counting():
+            return
         work = self._book.count(*self._reading(velocity, lead), self._drag) - received
         if self.phase == GO:
             self.action.work += spent(work)
-        elif self._spec.recuperation:
+        else:
             self.action.work -= regained(self._spec, work)
 
     def _uncounted(self) -> float:

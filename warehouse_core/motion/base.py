@@ -135,10 +135,14 @@ class Outcome(NamedTuple):
 
     def copy(self) -> Outcome:
         """Return a copy of the outcome, with copies of its arrays."""
-        readings, lines = (
-            None if each is None else each.copy() for each in (self.readings, self.lines)
-        )
-        return self._replace(path=self.path.copy(), readings=readings, lines=lines)
+        cell, blocked, seconds, joules, path, contacts, cut_off, readings, lines = self
+        if readings is not None:
+            readings = readings.copy()
+        if lines is not None:
+            lines = lines.copy()
+        # Each step of a Gymnasium environment copies one, and _replace takes twice as long.
+        path = path.copy()
+        return Outcome(cell, blocked, seconds, joules, path, contacts, cut_off, readings, lines)
 
     def __eq__(self, other: object) -> bool:
         # Tuples compare with ==, which for paths returns an array without a truth value.
