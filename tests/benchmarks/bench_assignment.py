@@ -24,7 +24,6 @@ from warehouse_core.world.tiles import WALL
 ROBOTS, STEPS, SEEDS = 96, 1000, range(20)
 PLANNER = "pibt:guidance=lanes"
 DUE = (60, 240)
-STATIONS: Any = {"seed": 1, "pickups": 400, "dropoffs": 60, "chargers": 90}
 
 
 def warehouse() -> Layout:

@@ -32,9 +32,7 @@ from agents.lab.commands.planners.runs import (
 )
 from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import ConflictTree
-from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Graph
-from agents.mapf.guidance import lane_costs, learned_costs
 from agents.mapf.lacam import lacam
 from agents.mapf.lifelong import run_lifelong
 from agents.registry import PLANNERS
@@ -97,26 +95,6 @@ def test_one_goal_after_another(floor: str, planner: str, measured) -> None:
         f"{planner}, {robots} robots with one goal after another on {floor} ({FORM})",
         f"{run.reached / STEPS:.2f} goals per step, {1000 * np.mean(run.seconds):.1f} ms per step",
     )
-
-
-@pytest.mark.parametrize("size", [14, 32])
-def test_goals_per_step_of_circulations(size: int, measured) -> None:
-    layout = random_layout(size, size, 0.2, seed=1)
-    robots = int(0.97 * len(layout.open_cells))
-    every = None, lane_costs(layout, 4.0), learned_costs(layout, robots)
-    plain, lanes, learned = (
-        np.mean([
-            run_lifelong(graph, Circulation(graph), robots, 1000, seed, has_headings=True)
-            .throughput
-            for seed in range(2)
-        ])
-        for graph in (Graph(layout, costs) for costs in every)
-    )  # fmt: skip
-    measured(
-        f"goals per step, {robots} robots with headings on {len(layout.open_cells)} cells",
-        f"circulations {plain:.2f}; on lanes {lanes:.2f}; with learned costs {learned:.2f}",
-    )
-    assert size < 32 or learned > lanes
 
 
 SCENARIOS = {

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 from helpers import wasm_speed
 from helpers.player_pages import headless_chromium
-from helpers.playground import MAX_DOWNLOAD, Playground, run_in_node, served, write_page
+from helpers.playground import MAX_DOWNLOAD, Playground, run_in_node, write_page
+from helpers.servers import served
 
 MIN_STEPS = 15_000
 """Minimum number of steps per second."""

@@ -1,13 +1,9 @@
-"""The page of the playground in a headless Chromium, and a server of its folder."""
+"""The page of the playground in a headless Chromium."""
 
-import http.server
 import os
 import subprocess
 import sys
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -47,21 +43,6 @@ def run_in_node(page: Path, script: Path) -> str:
     [wheel] = page.glob("*.whl")
     words = ["node", ROOT / "tests/helpers/pyodide.mjs", page / RUNTIME, script, wheel]
     return subprocess.run(words, capture_output=True, text=True, check=True).stdout
-
-
-@contextmanager
-def served(folder: Path) -> Iterator[str]:
-    """Yield the address of a server of a folder."""
-
-    class Quiet(http.server.SimpleHTTPRequestHandler):
-        def log_message(self, *_: object) -> None:
-            pass
-
-    handler = partial(Quiet, directory=folder)
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{server.server_port}/"
-        server.shutdown()
 
 
 class Playground:

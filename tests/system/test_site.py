@@ -4,12 +4,9 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from functools import partial
 from html import unescape
 from html.parser import HTMLParser
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from threading import Thread
 from typing import Any
 from urllib.parse import unquote, urlencode, urlsplit
 
@@ -17,6 +14,7 @@ import pytest
 from helpers.command_line import LEAVES
 from helpers.handbook import HANDBOOK, SITE
 from helpers.player_pages import shown, wait_until
+from helpers.servers import served
 
 from agents.lab.grading.rubric import SOLUTIONS
 
@@ -53,25 +51,11 @@ FAULTS = """
 """
 
 
-class Handler(SimpleHTTPRequestHandler):
-    """Serves files and prints nothing about it."""
-
-    def log_message(self, format: str, *_: object) -> None:  # noqa: A002
-        pass
-
-
 @pytest.fixture
 def site_address(site: Path) -> Iterator[str]:
     """Serve the site, because its search loads files, and yield the address."""
-    handler = partial(Handler, directory=str(site))
-    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        thread = Thread(target=server.serve_forever)
-        thread.start()
-        try:
-            yield f"http://127.0.0.1:{server.server_port}"
-        finally:
-            server.shutdown()
-            thread.join()
+    with served(site) as address:
+        yield address
 
 
 class Anchors(HTMLParser):

@@ -7,14 +7,8 @@ from typing import Any
 
 import pytest
 from helpers import wasm_digests
-from helpers.playground import (
-    MAX_DOWNLOAD,
-    Playground,
-    run_by_cpython,
-    run_in_node,
-    served,
-    write_page,
-)
+from helpers.playground import MAX_DOWNLOAD, Playground, run_by_cpython, run_in_node, write_page
+from helpers.servers import served
 
 from agents.lab.grading.rubric import MINI_LAB, SOLUTIONS
 from agents.lab.playground.session import Session

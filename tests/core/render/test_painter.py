@@ -18,13 +18,7 @@ from warehouse_core.render.atlas import (
     WAITING_ITEM,
     atlas,
 )
-from warehouse_core.render.painter import (
-    TilePainter,
-    bar,
-    codes_of,
-    paint_once,
-    tile_pixels_for,
-)
+from warehouse_core.render.painter import TilePainter, bar, codes_of, paint_once, tile_pixels_for
 from warehouse_core.render.palette import BATTERY, COLORS, FAINT, ICE, ICE_WAVE, WARNING
 from warehouse_core.world.tiles import CELL_CODES
 

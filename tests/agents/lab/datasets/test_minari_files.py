@@ -115,17 +115,8 @@ def test_on_a_full_disk_no_namespace_is_left_and_the_dataset_is_named(
 
 
 def test_a_name_must_be_valid_in_minari_and_new() -> None:
-    for name in (
-        "test",
-        "test-v",
-        "a/b-v0",
-        "../up-v0",
-        "/root-v0",
-        "one/two/-v0",
-        "",
-        "ä-v0",
-        "x-v0\n",
-    ):
+    names = "test", "test-v", "a/b-v0", "../up-v0", "/root-v0", "one/two/-v0", "", "ä-v0", "x-v0\n"
+    for name in names:
         with pytest.raises(
             StoreError,
             match="cannot name a dataset; allowed: optional namespaces, a name and a version",

@@ -213,8 +213,7 @@ def test_a_row_that_no_sweep_has_written_is_an_error(
 
 
 @pytest.mark.parametrize(
-    ("old", "new"),
-    [(b"tableepisodes", b"tableepi\xffodes"), (b"program TEXT", b"pro\xffram TEXT")],
+    ("old", "new"), [(b"tableepisodes", b"tableepi\xffodes"), (b"program TEXT", b"pro\xffram TEXT")]
 )
 def test_a_wrong_byte_in_the_schema_is_an_error(refused: Refused, old: bytes, new: bytes) -> None:
     begun()

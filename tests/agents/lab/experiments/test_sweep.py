@@ -31,12 +31,7 @@ from agents.lab.experiments import sweep as sweep_command
 from agents.lab.experiments.case import run_task
 from agents.lab.experiments.plan import SweepPlan, make_plan
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.sweep import (
-    MAX_FAILURES,
-    MAX_TASK_EPISODES,
-    TASK_SECONDS,
-    paced,
-)
+from agents.lab.experiments.sweep import MAX_FAILURES, MAX_TASK_EPISODES, TASK_SECONDS, paced
 from agents.lab.parameters import PARAMETERS
 from agents.lab.trials.rows import Row
 from agents.lab.trials.workers import Processes

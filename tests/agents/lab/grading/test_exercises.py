@@ -12,12 +12,7 @@ from agents.lab.grading.cases import CallCase
 from agents.lab.grading.criteria import MEASURES
 from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport, grade
-from agents.lab.grading.rubric import (
-    SOLUTIONS,
-    Rubric,
-    load_rubric,
-    own_rubrics,
-)
+from agents.lab.grading.rubric import SOLUTIONS, Rubric, load_rubric, own_rubrics
 from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW, SameProcess
 from agents.lab.grading.submissions import Submission, find_submission
 from agents.lab.grading.walls import FILES, enforced

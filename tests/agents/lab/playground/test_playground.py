@@ -5,15 +5,13 @@ import json
 import re
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
 from helpers.command_line import Refused
+from helpers.servers import served
 
 from agents.lab.grading.rubric import own_rubrics
 from agents.lab.playground import runtime
@@ -37,15 +35,8 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture
 def server(files: Path) -> Iterator[str]:
     """Yield the address of a server of these files."""
-
-    class Quiet(SimpleHTTPRequestHandler):
-        def log_message(self, *_: object) -> None:
-            pass
-
-    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=files)) as running:
-        threading.Thread(target=running.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{running.server_port}"
-        running.shutdown()
+    with served(files) as address:
+        yield address
 
 
 def test_the_folder_has_all_that_the_page_loads(files, tmp_path, warehouse) -> None:

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.results_files import Cases, experiment_of, hall, outcomes, row
-from matplotlib.axes import Axes
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import make_plan
@@ -58,15 +57,6 @@ def draw(experiment: Experiment, *, modes: bool = False) -> SceneFigure:
     figure = modes_figure(chart, "Modes") if modes else measure_figure(chart, "Success", SUCCESS)
     assert figure is not None
     return figure
-
-
-def middles(axes: Axes) -> list[tuple[list[float], list[float]]]:
-    """Return the x and y values of the points of each line."""
-    lines = [each.lines[0] for each in axes.containers]
-    return [
-        (np.asarray(line.get_xdata()).tolist(), np.asarray(line.get_ydata()).tolist())
-        for line in lines
-    ]
 
 
 def test_the_ordered_factor_with_the_most_values_is_on_the_axis() -> None:

@@ -184,7 +184,7 @@ def test_folders_are_left_out_where_file_names_are_unique(tmp_path: Path) -> Non
         Factor(
             "layout",
             ("default (stations drawn)", "hall.txt (stations kept)", "yard.txt (stations kept)"),
-        ),
+        )
     ]
     [factor] = design_of(layout=names).factors
     assert factor.values == ("hall.txt", "hall.txt (version 2)", "yard.txt")

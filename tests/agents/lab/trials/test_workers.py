@@ -16,11 +16,7 @@ import pytest
 from helpers.command_line import ROOT
 
 from agents.errors import WorkerError
-from agents.lab.trials.workers import (
-    Processes,
-    blocked_interrupts,
-    deferred_interrupts,
-)
+from agents.lab.trials.workers import Processes, blocked_interrupts, deferred_interrupts
 
 ORPHAN_MAKER = """
 import os, time
