@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.pages import HOSTILE, a_page, a_page_of, loaders
+from helpers.pages import a_page, a_page_of, loaders
 from helpers.player_pages import wait_until
 from helpers.results_files import fill, outcomes
 from numpy.typing import NDArray
@@ -142,16 +142,6 @@ def test_a_printed_page_is_light_and_its_details_are_open(report_page: Path, tab
         for sheets in (dark, printed(tab(opened)))
     ]
     assert glyphs[0] == glyphs[1] > 4 * 1000
-
-
-def test_names_run_no_script_and_load_nothing(file, tab, server) -> None:
-    address, requested = server
-    write_page(file, a_page_of(" ".join([*HOSTILE, loaders(address)])))
-    page = tab(file)
-    assert requested == []
-    assert page.title() != "owned"
-    counts = [page.locator(tag).count() for tag in ("script", "img", "iframe")]
-    assert counts == [0, 1, 1]
 
 
 def test_an_svg_with_a_script_is_shown_and_the_script_is_not_run(file, tab, server) -> None:

@@ -9,23 +9,6 @@ pytestmark = pytest.mark.window
 
 Start = Callable[..., Shower]
 
-CHECK = """
-import sys, warnings
-warnings.simplefilter("error")
-import gymnasium
-from gymnasium.utils.env_checker import check_env
-form, backend, render_mode = sys.argv[1:]
-env = gymnasium.make(
-    "warehouse_core.gymnasium_env:Warehouse-v0",
-    observation=form,
-    backend=backend,
-    render_mode=None if render_mode == "None" else render_mode,
-)
-check_env(env.unwrapped)
-env.close()
-print("checked")
-"""
-
 WALK = """
 import gymnasium
 env = gymnasium.make(
@@ -45,19 +28,6 @@ env.close()
 env.close()
 print("ended")
 """
-
-
-@pytest.mark.parametrize("render_mode", [None, "human"])
-@pytest.mark.parametrize(
-    ("form", "backend"),
-    [("dict", "grid"), ("vector", "grid"), ("image", "grid"), ("dict", "physics")],
-)
-def test_the_checker_of_gymnasium_passes_in_every_render_mode(
-    start: Start, form: str, backend: str, render_mode: str | None
-) -> None:
-    program = start(CHECK, form, backend, render_mode)
-    assert program.rest() == ["checked"]
-    assert program.code() == 0
 
 
 def test_an_episode_continues_after_its_window_is_closed(start: Start) -> None:

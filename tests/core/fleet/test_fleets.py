@@ -21,6 +21,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "open": {"orders": 0.5, "dispatch": False, "late_penalty": 0.5},
     "none": {"people": People(3, "aisles"), "view_radius": 0},
     "people": {"people": 2, "orders": 0.3, "team_reward": True, "view_radius": 3},
+    "headings": {"moves": "turn", "orders": 0.3, "people": 1},
     "bodies": {"backend": "physics", "orders": 0.3, "people": 1, "max_steps": 5},
 }
 
@@ -33,7 +34,7 @@ def settings_of(kind: str) -> dict[str, Any]:
 
 def helpful_actions(mask: np.ndarray, stream: np.random.Generator) -> np.ndarray:
     """Return random actions with an effect, mostly those that only stations allow."""
-    weights = mask * np.array([1, 1, 1, 1, 1, 20, 20])
+    weights = mask * np.array([*[1] * (mask.shape[1] - 2), 20, 20])
     return (stream.random(weights.shape) * weights).argmax(axis=1)
 
 
