@@ -14,7 +14,6 @@ import importlib.util
 import inspect
 import random
 import sys
-import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -87,22 +86,6 @@ AGENTS: dict[str, Callable[..., Agent]] = {
 
 PLANNERS: dict[str, Callable[..., Planner]] = {"auto": auto, **NAMED}
 """Planners for the robots of a fleet, by name."""
-
-RENAMED_PLANNERS = {
-    "pibt-lanes": "pibt:guidance=lanes",
-    "pibt-learned": "pibt:guidance=learned",
-    "windowed-lanes": "windowed:guidance=lanes",
-    "windowed-learned": "windowed:guidance=learned",
-    "windowed-directed": "windowed:guidance=learned",
-    "circulation-lanes": "circulation:guidance=lanes",
-    "circulation-directed": "circulation:guidance=learned",
-    "lacam-star": "lacam",
-    "anytime": "lacam",
-}
-"""Replacement for each former name of a planner or solver."""
-
-FORMER_OPTIONS = "circulates", "samples", "trial_seed", "trials", "wrong_way"
-"""Former arguments of planners, which are ignored."""
 
 TRAINED: dict[str, Callable[..., Agent]] = {
     "clone": CloneAgent.load,
@@ -191,7 +174,7 @@ def make_planner(
     Names have the same form as for ``make_agent``, with ``PLANNERS`` in place of ``AGENTS`` and
     without trained planners. A user's class with ``next_cells`` is a ``Planner``, and one with
     ``act`` is a ``FleetAgent``. It may take ``seed``, ``layout``, ``robots`` and ``moves``, and a
-    ``graph`` of the layout, in which paths avoid chargers. A former name works with a warning.
+    ``graph`` of the layout, in which paths avoid chargers.
 
     Raises:
         AgentError: see ``make_agent``.
@@ -201,26 +184,8 @@ def make_planner(
         >>> make_planner("windowed:window=20", seed=1).window
         20
     """
-    [planner] = _make(PLANNER, current_planner(name), [seed], layout, robots, moves)
+    [planner] = _make(PLANNER, name, [seed], layout, robots, moves)
     return cast("Planner | FleetAgent", planner)
-
-
-def current_planner(name: str) -> str:
-    """Return the present name of a planner or solver, with a warning if it has been renamed."""
-    source, _, options = split_name(name)
-    if source not in RENAMED_PLANNERS:
-        return name
-    new = RENAMED_PLANNERS[source]
-    message = f"planner {source!r} has been renamed to {new!r}; the former name will be removed"
-    former = () if new == "lacam" else FORMER_OPTIONS
-    given = options.split(",") if options else []
-    ignored = [each for each in given if each.partition("=")[0] in former]
-    if ignored:
-        message += f"; ignored: {', '.join(ignored)}"
-    warnings.warn(message, DeprecationWarning, stacklevel=3)
-    name, _, guidance = new.partition(":")
-    kept = ",".join(each for each in [guidance, *given] if each and each not in ignored)
-    return f"{name}:{kept}" if kept else name
 
 
 def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver | None:

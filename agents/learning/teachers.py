@@ -59,10 +59,6 @@ class ShortestPaths:
         return nearer
 
 
-ShortestWays = ShortestPaths
-"""The former name, under which checkpoints of earlier versions have pickled their teacher."""
-
-
 class AgentTeacher:
     """A teacher for which the action of an agent in each robot's place is right.
 

@@ -18,7 +18,6 @@ from agents.mapf.kernels.buffers import Table, buffer, buffer_of, table_of
 from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places, Reverse, measure
 from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.compiled import IS_COMPILED, prepare
-from warehouse_core.renamed import Renamed
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.edges import Edges
 from warehouse_core.world.layout import Layout
@@ -183,8 +182,6 @@ class Graph:
             cell = int(reached[heading])
             path.append(cell)
         return path
-
-    way = Renamed("path")
 
     @cached_property
     def parts(self) -> Integers:

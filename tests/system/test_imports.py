@@ -21,11 +21,10 @@ MAY_IMPORT = {
     "warehouse_core/listing": "copies",
     "warehouse_core/neighbours": "",
     "warehouse_core/registration": "",
-    "warehouse_core/renamed": "",
     "warehouse_core/wording": "",
     "warehouse_core/arguments": "wording",
     "warehouse_core/files": "errors wording",
-    "warehouse_core/world": "arguments errors files renamed wording",
+    "warehouse_core/world": "arguments errors files wording",
     "warehouse_core/motion": "arguments compiled errors extras wording world",
     "warehouse_core/orders": "arguments errors files wording world",
     "warehouse_core/task": "arguments errors wording world",
@@ -33,9 +32,7 @@ MAY_IMPORT = {
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/render": "arguments errors task world",
     "warehouse_core/warehouse_env": "arguments copies errors listing motion task wording world",
-    "warehouse_core/fleet": (
-        "arguments batch errors listing motion orders renamed task wording world"
-    ),
+    "warehouse_core/fleet": ("arguments batch errors listing motion orders task wording world"),
     "warehouse_core/gymnasium_env": (
         "arguments batch errors listing motion registration render task warehouse_env wording world"
     ),

@@ -21,7 +21,6 @@ from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import BaseMotion, Outcome, Routes, conditions_of, with_defaults
 from warehouse_core.orders.book import NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderArrays, Orders
-from warehouse_core.renamed import Renamed
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.wording import brief, counted
 from warehouse_core.world.actions import INVALID
@@ -334,8 +333,6 @@ class FleetEnv(Unlisted):
         """
         every = [True] * self.settings.bodies
         return self._routes() if self._routes else Routes(self.cells + self.people, every, every)
-
-    ways = Renamed("routes")
 
     @property
     def loaded(self) -> list[bool]:

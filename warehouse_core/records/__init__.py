@@ -12,9 +12,7 @@ from warehouse_core.records.failure_modes import (
     FLEET_MODES,
     MODES,
     Diagnosis,
-    FleetDiagnosis,
     diagnose,
-    diagnose_fleet,
 )
 from warehouse_core.records.recorder import (
     Agent,
@@ -36,11 +34,9 @@ __all__ = [
     "Episode",
     "EpisodeRecorder",
     "FleetAgent",
-    "FleetDiagnosis",
     "FleetEpisode",
     "FleetRecorder",
     "diagnose",
-    "diagnose_fleet",
     "drive_summary",
     "record_episode",
     "record_fleet_episode",

@@ -834,6 +834,3 @@ MODES = tuple(mode for mode, alone, _ in TABLE if alone)
 
 FLEET_MODES = tuple(mode for mode, _, fleet in TABLE if fleet)
 """Modes of a fleet."""
-
-FleetDiagnosis = Diagnosis
-diagnose_fleet = diagnose

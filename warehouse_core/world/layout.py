@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
-from warehouse_core.renamed import Renamed
 from warehouse_core.wording import brief
 from warehouse_core.world.display import display
 from warehouse_core.world.tiles import (
@@ -209,8 +208,6 @@ class Layout:
         if not len(self.open_cells):
             raise LayoutError("the layout has no open cell; a robot needs one to start on")
         return self.open_cell(0)
-
-    usual_start = Renamed("default_start")
 
     def ranks(self, cells: Iterable[Cell]) -> list[int]:
         """Return the indices of open cells among the open cells."""

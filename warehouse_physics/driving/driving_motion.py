@@ -18,7 +18,6 @@ from warehouse_core.motion.base import (
     conditions_of,
 )
 from warehouse_core.motion.traffic import check_joint_step, find_stops
-from warehouse_core.renamed import Renamed
 from warehouse_core.world.tiles import moved
 from warehouse_physics.arena import ITERATIONS
 from warehouse_physics.body_motion import PATH_EVERY, BodyMotion
@@ -150,8 +149,6 @@ class DrivingMotion(BodyMotion):
             driver.failed.tolist(),
             sorted(driver.closed),
         )
-
-    ways = Renamed("routes")
 
     def fail(self, robot: int) -> None:
         """Make a robot stay where it is for good; see ``BaseMotion.fail``."""

@@ -9,7 +9,7 @@ from agents.fleet import guided
 from agents.fleet.guided import choose
 from agents.fleet.planned import PlannedFleet
 from agents.mapf import guidance
-from agents.registry import RENAMED_PLANNERS, current_planner, make_fleet_agent, make_planner
+from agents.registry import make_fleet_agent, make_planner
 from warehouse_core import FleetEnv, Layout, OrderQueue, random_layout
 from warehouse_core.records.recorder import record_fleet_episode
 
@@ -95,18 +95,3 @@ def test_auto_is_what_it_has_chosen() -> None:
     assert make_planner("auto:seconds=0.5", 1, ROOM, 4).seconds == 0.5
     crowded = make_planner("auto", 1, HALL, 60)
     assert crowded.choice.name.startswith("circulation")
-
-
-def test_former_names_work_and_name_the_new_one() -> None:
-    for former, new in RENAMED_PLANNERS.items():
-        with pytest.warns(DeprecationWarning, match=f"^planner '{former}' has been renamed to"):
-            assert current_planner(former) == new
-    with pytest.warns(DeprecationWarning, match=r"renamed to 'pibt:guidance=lanes'; the.*removed$"):
-        planner = make_planner("pibt-lanes:turn_cost=2", 1, ROOM)
-    assert planner.graph.turn_cost == 2
-    with pytest.warns(DeprecationWarning, match=r"; ignored: wrong_way=2, trials=3$"):
-        new = current_planner("windowed-directed:wrong_way=2,window=9,trials=3")
-    assert new == "windowed:guidance=learned,window=9"
-    with pytest.warns(DeprecationWarning, match=r"renamed to 'lacam'; the.*removed$"):
-        assert current_planner("anytime:trials=5") == "lacam:trials=5"
-    assert current_planner("pibt:turn_cost=1") == "pibt:turn_cost=1"

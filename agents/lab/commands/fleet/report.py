@@ -24,7 +24,7 @@ from warehouse_core.files.tables import write_table
 from warehouse_core.fleet import FleetMeasures
 from warehouse_core.orders.files import COLUMNS
 from warehouse_core.orders.order import Order
-from warehouse_core.records.failure_modes import FEW_WAITING, FleetDiagnosis, diagnose_fleet
+from warehouse_core.records.failure_modes import FEW_WAITING, Diagnosis, diagnose
 from warehouse_core.wording import counted
 
 SUFFIX = ".csv"
@@ -59,7 +59,7 @@ class ShiftResult(NamedTuple):
 
     seed: int | None
     measures: FleetMeasures
-    diagnosis: FleetDiagnosis
+    diagnosis: Diagnosis
     orders: Sequence[Order]
     possible: Sequence[Optimum] = ()
 
@@ -88,7 +88,7 @@ LINES = (
 def result_of(episode: Episode, optimum: bool = False) -> ShiftResult:
     """Return the results of a record; with ``optimum``, also how many deliveries were possible."""
     possible = [most_deliveries(episode, on_time) for on_time in (False, True)] if optimum else ()
-    diagnosis, measures = diagnose_fleet(episode), episode.measures
+    diagnosis, measures = diagnose(episode), episode.measures
     outcomes = chain.from_iterable(episode.motions)
     if all(outcome.readings is None for outcome in outcomes):
         measures = replace(measures, seconds=nan, joules_per_delivery=nan)
@@ -109,7 +109,7 @@ def report_shifts(results: Sequence[ShiftResult], robots: int, title: str) -> No
         say(fill(line, get_terminal_size().columns))
 
 
-def diagnosis(found: Sequence[FleetDiagnosis]) -> str:
+def diagnosis(found: Sequence[Diagnosis]) -> str:
     """Return the diagnosis of one shift, or how often each failure mode occurs in several."""
     if len(found) == 1:
         return f"{found[0].mode}: {found[0].sentence}"

@@ -28,7 +28,7 @@ from agents.lab.commands.planners.runs import (
 )
 from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
-from agents.lab.console.terminal import print_error, say, warnings_printed
+from agents.lab.console.terminal import print_error, say
 from agents.lab.console.values import parse_sizes
 from agents.lab.trials.interval import (
     MIN_VALUES,
@@ -40,7 +40,6 @@ from agents.lab.trials.interval import (
 from agents.lab.trials.workers import run_trials
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
-from agents.registry import current_planner
 from warehouse_core.files.tables import write_table
 from warehouse_core.wording import counted
 from warehouse_core.world.scenarios import load_scenarios
@@ -111,8 +110,6 @@ def compare_planners(
     number of problems that are solved within ``plan_seconds``.
     """
     name = None if layout is None else str(layout)
-    with warnings_printed():
-        planner = [current_planner(each) for each in planner]
     sizes = parse_sizes(robots) if robots is not None else []
     if files:
         names = list(dict.fromkeys(planner or ["lacam"]))

@@ -19,7 +19,7 @@ from agents.registry import make_fleet_agent
 from warehouse_core import FleetEpisode, Order, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
 from warehouse_core.orders import save_orders
-from warehouse_core.records.failure_modes import FleetDiagnosis, diagnose_fleet
+from warehouse_core.records.failure_modes import Diagnosis, diagnose
 
 SMALL = ("fleet", "--robots", 3, "--max-steps", 60, "--seed", 5)
 
@@ -52,7 +52,7 @@ def test_a_shift_is_run_measured_and_recorded(warehouse: Warehouse, monkeypatch)
         expected = "-" if line.of_bodies else "none" if np.isnan(value) else value
         assert shown == expected or float(shown) == pytest.approx(value, rel=0.005), line.title
     assert f"{episode.measures.delivered} of {episode.measures.orders} orders delivered" in out
-    assert f"Diagnosis: {diagnose_fleet(episode).mode}: " in out
+    assert f"Diagnosis: {diagnose(episode).mode}: " in out
     again = warehouse("replay", "shift.npz", "--save", "shift.png")
     assert again.out.splitlines()[1:-1] == out.splitlines()[2:-1]
     with Image.open("shift.png") as picture:
@@ -116,7 +116,7 @@ def test_orders_and_measures_of_all_shifts_are_written_as_tables(warehouse: Ware
     assert first["distance (cells)"] == str(episode.measures.distance)
     assert first["energy per delivery (kJ)"] == first["simulated time (s)"] == ""  # on the grid
     assert float(first["on time (% of deliveries)"]) == 100 * episode.measures.on_time
-    assert first["diagnosis"] == diagnose_fleet(episode).mode
+    assert first["diagnosis"] == diagnose(episode).mode
     printed = {row.split("\u2502")[1].strip() for row in out.splitlines() if "\u2502" in row}
     titles = {title.rsplit(" (", 1)[0] for title in [*first][1:-2]}
     assert titles == printed - {"measure"} == {line.title for line in LINES}
@@ -141,7 +141,7 @@ def test_means_leave_out_what_was_not_measured_and_have_intervals_of_many() -> N
 
 
 def test_the_verdict_and_the_diagnosis_say_what_went_wrong() -> None:
-    why = [FleetDiagnosis(mode, (), 0, None, "why") for mode in ("late", "stranded", "late")]
+    why = [Diagnosis(mode, (), 0, None, "why") for mode in ("late", "stranded", "late")]
     assert (diagnosis(why[:1]), diagnosis(why)) == ("late: why", "late (2), stranded (1)")
     assert verdict([measured()], 8) == (
         "18 of 20 orders delivered, 50% of them on time; robots blocked each other in 5% of their "
