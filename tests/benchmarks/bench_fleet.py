@@ -132,12 +132,29 @@ def test_robot_steps_a_second(robots: int, measured) -> None:
     assert cpu >= LEAST.get(robots, 0) or (robots <= 10 and not IS_COMPILED)
 
 
-def rate_of_fleets(fleets: int, robots: int) -> float:
+def rate_of_fleets(fleets: int, robots: int, orders: float | None = None) -> float:
     """Return the robot-steps of many fleets together per second of CPU time."""
-    batch = FleetBatch(fleets, robots=robots, max_steps=OURS, battery=OURS)
+    batch = FleetBatch(fleets, robots=robots, max_steps=1000, battery=1000, orders=orders)
     batch.reset(seed=1)
-    actions = np.random.default_rng(0).integers(0, WAIT + 1, batch.num_envs)
-    return batch.num_envs * CYCLE / timed(lambda: [batch.step(actions) for _ in range(CYCLE)])[1]
+    actions = np.random.default_rng(0).integers(0, 7, (CYCLE, batch.num_envs))
+    for each in actions:
+        batch.step(each)
+    return batch.num_envs * CYCLE / timed(lambda: [batch.step(each) for each in actions])[1]
+
+
+@pytest.mark.parametrize("fleets", [256, 2048])
+def test_orders_of_many_fleets(fleets: int, measured) -> None:
+    """Fleets of four robots get an order every 20 steps."""
+    rates = {None: 0.0, 0.05: 0.0}
+    for _ in range(ROUNDS):
+        for orders in rates:
+            rates[orders] = max(rates[orders], rate_of_fleets(fleets, 4, orders))
+    bare, busy = rates.values()
+    measured(
+        f"robot-steps of {fleets:,} fleets of 4 robots per second of CPU time",
+        f"{busy:,.0f} with orders, {bare:,.0f} without; ratio {busy / bare:.2f}",
+    )
+    assert busy >= 0.2 * bare
 
 
 def test_lone_robots_in_thousands_of_layouts(measured) -> None:

@@ -38,6 +38,7 @@ class OrderBooks:
         floors, self._robots = len(layouts.kind), settings.robots
         self._layouts, self._floor, self._dispatches = layouts, floor, settings.dispatch
         self._sources = [_source(kind, settings) for kind in layouts.kinds]
+        self._can_end = self._sources[0].ends
         streams = [np.random.default_rng(0)] * floors
         self._books = [self._new_book(*each) for each in enumerate(streams)]
         self._next_release = np.full(floors, NEVER)
@@ -97,7 +98,7 @@ class OrderBooks:
         free.reshape(-1)[out] = False
         floors = np.flatnonzero(free.any(axis=1) & self._has_open).tolist()
         for floor in floors:
-            robots = np.flatnonzero(free[floor])
+            robots = free[floor].nonzero()[0]  # np.flatnonzero takes three times as long
             self.book(floor).dispatch(robots, cells[floor * self._robots + robots])
         self._update(floors)
 
@@ -195,10 +196,10 @@ class OrderBooks:
             cells.clear()
             self._has_open[floor] = book.has_open_orders
             self._next_release[floor] = book.next_release
-            is_over = self._sources[self._layouts.kind[floor]].ends and book.is_done
-            self.all_delivered[floor] = is_over and not book.lost
-            self.rest_is_lost[floor] = is_over and book.lost
-        if self._sources[0].ends:
+            if self._can_end:
+                self.all_delivered[floor] = book.is_done and not book.lost
+                self.rest_is_lost[floor] = book.is_done and book.lost
+        if self._can_end:
             self.has_ended = bool(np.count_nonzero(self.all_delivered | self.rest_is_lost))
         if waiting:
             self._floor.set_waiting(*np.array(waiting).T)

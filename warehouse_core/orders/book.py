@@ -19,6 +19,9 @@ NONE = -1
 
 NEVER = np.iinfo(np.int64).max
 
+AWAY = 10**8
+"""Row, in cells, that is farther away than any layout is large."""
+
 
 class OrderBook:
     """``K`` orders of ``R`` robots, and their progress.
@@ -56,7 +59,7 @@ class OrderBook:
         self.taken_by, self.taken, self.delivered = np.full((3, len(orders.released)), NONE)
         self.waiting_at: Counter[int] = Counter()
         self.changed: tuple[set[int], set[int]] = (set(), set())
-        self._released = self._deliveries = self.lost = 0
+        self._released = self._deliveries = self._open = self.lost = 0
         self._is_open, self._is_lost = np.zeros((2, len(orders.released)), np.bool_)
         self._due_at: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
         self._reserved: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
@@ -77,7 +80,7 @@ class OrderBook:
     @property
     def open_orders(self) -> list[int]:
         """The numbers of the open orders, in order of release."""
-        return list(np.flatnonzero(self._is_open).tolist())
+        return list(self._is_open.nonzero()[0].tolist())
 
     @property
     def released_orders(self) -> OrderArrays:
@@ -87,7 +90,7 @@ class OrderBook:
     @property
     def has_open_orders(self) -> bool:
         """Whether there is an open order."""
-        return bool(self._is_open.any())
+        return self._open > 0
 
     def task(self, robot: int) -> tuple[int, int, int]:
         """Return the due time, pickup and dropoff of a robot's order, each ``NONE`` without one.
@@ -209,14 +212,13 @@ class OrderBook:
 
     def dispatch(self, robots: Integers, cells: Integers) -> None:
         """Assign the oldest open orders, each to the nearest of these robots without an order."""
-        rows, cols = self._layout.places(cells).T
-        free = np.ones(len(robots), np.bool_)
+        rows, cols = np.divmod(cells, self._layout.width)
         for order in self.open_orders[: len(robots)]:
-            row, col = self._layout.cell(self.orders.pickup[order])
-            distance = np.where(free, abs(rows - row) + abs(cols - col), np.iinfo(np.intp).max)
-            nearest = int(np.argmin(distance))
-            free[nearest] = False
-            self.assign(int(robots[nearest]), order)
+            row, col = self._layout.cell(int(self.orders.pickup[order]))
+            nearest = int((abs(rows - row) + abs(cols - col)).argmin())
+            rows[nearest] = AWAY
+            self._withdraw(order)
+            self._give(int(robots[nearest]), order)
 
     def records(self) -> list[Order]:
         """Return the released orders with their progress, in order of release."""
@@ -247,6 +249,7 @@ class OrderBook:
         cell = int(self.orders.pickup[order])
         if robot == OPEN:
             self._is_open[order] = True
+            self._open += 1
             heappush(self._due_at[cell], (due, order))
             self._count(cell, 1)
         else:
@@ -274,6 +277,7 @@ class OrderBook:
     def _withdraw(self, order: int) -> None:
         """Remove an order from those that wait without a robot."""
         if self._is_open[order]:
+            self._open -= 1
             self._is_open[order] = False  # ``_due_first`` drops it from the heap later
             self._count(int(self.orders.pickup[order]), -1)
         else:
