@@ -110,20 +110,18 @@ class BatchFloor:
         offsets = side[:, None] * self._stride + side + self._reach
         self._place_of[offsets.ravel()] = places
 
-    def put_stations(self, rows: Integers, pickups: Integers, dropoffs: Integers) -> None:
-        """Set the first pickup and dropoff of some rows, as cells or ``NO_CELL``."""
+    def put_stations(self, rows: Integers, cells: Integers) -> None:
+        """Set the first pickup and dropoff of some rows, ``[2, N]`` cells or ``NO_CELL``."""
         self._cached_cells = None
-        for number, cells in enumerate((pickups, dropoffs)):
-            self._station_cells[number, rows] = cells
-            places = self.places(rows, cells)
-            places[cells == NO_CELL] = NOWHERE
-            self.station_places[number, rows] = places
-            offsets = self._offset_of.take(self._numbers(rows, cells)) + self._reach
-            self._station_offsets[number, rows] = np.where(cells == NO_CELL, OUT_OF_SIGHT, offsets)
+        numbers, is_missing = self._numbers(rows, cells), cells == NO_CELL
+        places, offsets = self._places.take(numbers, axis=0), self._offset_of.take(numbers)
+        places[is_missing] = NOWHERE
+        self._station_cells[:, rows], self.station_places[:, rows] = cells, places
+        self._station_offsets[:, rows] = np.where(is_missing, OUT_OF_SIGHT, offsets + self._reach)
 
     def put_own_stations(self, rows: Integers) -> None:
         """Set the pickup and dropoff of some rows to the first ones of their layouts."""
-        self.put_stations(rows, *self._first_stations[:, self._layouts.kind[rows]])
+        self.put_stations(rows, self._first_stations[:, self._layouts.kind[rows]])
 
     def stations(self, cells: Integers) -> Integers:
         """Return the kinds of the robots' cells, ``[B]`` indices into ``verdicts.STATION_KINDS``.

@@ -191,7 +191,7 @@ class LoneEngine:
         if stations is None:
             self._floor.put_own_stations(floors)
         else:
-            self._floor.put_stations(floors, *stations)
+            self._floor.put_stations(floors, stations)
         self._robots.place(floors, starts)
         self.ended[floors], self._steps[floors] = False, 0
         if self._battery is not None:

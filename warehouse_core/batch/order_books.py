@@ -209,7 +209,7 @@ class OrderBooks:
     def _set_tasks(self, rows: Integers, tasks: Integers) -> None:
         """Set the due times, pickups and dropoffs ``[N, 3]`` of some robots."""
         self.due[rows] = tasks[:, 0]
-        self._floor.put_stations(rows, tasks[:, 1], tasks[:, 2])
+        self._floor.put_stations(rows, tasks[:, 1:].T)
         self._is_idle.reshape(-1)[rows] = tasks[:, 2] == NO_CELL
 
 

@@ -22,7 +22,7 @@ def codes(window: list[str]) -> list[int]:
 
 def put(floor: BatchFloor, row: int, layout: Layout, *stations: Cell) -> None:
     pickups, dropoffs = ([at[0] * layout.width + at[1]] for at in stations)
-    floor.put_stations(np.array([row]), np.array(pickups), np.array(dropoffs))
+    floor.put_stations(np.array([row]), np.array([pickups, dropoffs]))
 
 
 @pytest.mark.parametrize("radius", [0, 1, 2, 8])
