@@ -79,11 +79,11 @@ class Detours:
 
     def _legs_of(self, cell: int, goal: int) -> list[int]:
         """Return the sequence of goals with which a robot goes around obstacles or gives way."""
-        field = self._around.distances(goal, keep=False)
+        field = self._around.distances(goal).copy()
         gives_way = cell == goal or not np.isfinite(field[cell])
         if gives_way:
             goal = self._refuge(cell)
-            field = self._around.distances(goal, keep=False)
+            field = self._around.distances(goal).copy()
         straight, path = self._open.distances(goal), [cell]
         field[[each for each in self._around.closed if each != cell]] = np.inf
         while field[path[-1]] - straight[path[-1]] > LONGER:

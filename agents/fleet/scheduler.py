@@ -51,22 +51,6 @@ class RobotStates(NamedTuple):
     battery: NDArray[np.float64]
 
 
-class Duties(NamedTuple):
-    """The next duty of each of ``R`` robots; all arrays are ``[R]``.
-
-    Attributes:
-        robots: states of the robots, with the goals of their orders.
-        goals: goal cells, to pick or drop, to charge, or to park.
-        stays: true for robots that cannot move in the next step, whatever their neighbours do.
-        actions: ``PICK`` or ``DROP``, or ``WAIT`` if a robot moves or waits.
-    """
-
-    robots: RobotStates
-    goals: Integers
-    stays: Flags
-    actions: NDArray[np.intp]
-
-
 class Scheduler:
     """Scheduler that gives the robots of a fleet orders, turns at chargers, and goals.
 
@@ -87,7 +71,6 @@ class Scheduler:
         self._assign, self._reassigns = ASSIGNMENTS[assignment], assignment in REASSIGNING
         self._capacity = env.settings.battery.capacity
         self._parking = parking_of(env.layout)
-        self._trips = self._homes = np.empty(0)
         self._assigned = (b"", b"")
         self._is_idle = np.zeros(env.settings.robots, np.bool_)
         self._detours = Detours(roads, env.settings.robots, self._cell_steps)
@@ -100,29 +83,6 @@ class Scheduler:
         The action of a robot is ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
         """
         routes, count = env.routes, env.settings.robots
-        robots, goals, stays, actions = self.duties(env)
-        shares = shares_cell(robots.cells)
-        stay_long = robots.ended | self.chargers.charging(robots.cells)
-        closed = dict.fromkeys([*env.people, *routes.ends[count:], *routes.closed])
-        cells = env.layout.numbers(list(closed))
-        has_turn = self.chargers.turn != NONE
-        hurries = has_turn.copy()
-        aims = self._detours.goals(robots.cells, goals, stay_long, cells)
-        people = env.layout.numbers(env.people)
-        walls = {*robots.cells[stay_long | shares].tolist(), *cells.tolist()} - {*people.tolist()}
-        is_done = bool(self._are_at_work(robots).any())
-        aims |= self._escape(robots, goals, is_done, walls, people)
-        for robot, aim in aims.items():
-            goals[robot], hurries[robot] = aim, True
-        stays |= shares
-        stays[self._escapes.held] |= goals[self._escapes.held] == robots.cells[self._escapes.held]
-        is_away = goals != robots.cells
-        urgent, undelayed = (np.flatnonzero(each & is_away) for each in (hurries, has_turn))
-        return Situation(robots.cells, goals, stays, cells, urgent, undelayed), actions
-
-    def duties(self, env: FleetEnv) -> Duties:
-        """Assign orders, and return the duty of each robot regardless of obstacles."""
-        routes, count = env.routes, env.settings.robots
         dead = [cell for cell, units in zip(env.cells, env.battery, strict=True) if units <= 0]
         self._close(frozenset(map(env.layout.number, [*routes.closed, *dead])))
         robots = self._look(env, routes.ends[:count])
@@ -130,18 +90,26 @@ class Scheduler:
         if env.settings.orders is not None:
             robots = self._give_orders(env, robots)
         self._is_idle = robots.goals == NONE
-        at_work = self._are_at_work(robots)
-        stays = robots.ended | self.chargers.charging(robots.cells) | at_work
-        stays |= ~np.array(routes.has_room[:count])
+        goals, has_turn = self._goals(robots), self.chargers.turn != NONE
+        at_work = (robots.cells == robots.goals) & ~robots.ended & ~has_turn
+        shares = shares_cell(robots.cells)
+        stay_long = robots.ended | self.chargers.charging(robots.cells)
+        closed = dict.fromkeys([*env.people, *routes.ends[count:], *routes.closed])
+        cells = env.layout.numbers(list(closed))
+        hurries = has_turn.copy()
+        aims = self._detours.goals(robots.cells, goals, stay_long, cells)
+        people = env.layout.numbers(env.people)
+        walls = {*robots.cells[stay_long | shares].tolist(), *cells.tolist()} - {*people.tolist()}
+        aims |= self._escape(robots, goals, bool(at_work.any()), walls, people)
+        for robot, aim in aims.items():
+            goals[robot], hurries[robot] = aim, True
+        stays = stay_long | at_work | shares | ~np.array(routes.has_room[:count])
+        stays[self._escapes.held] |= goals[self._escapes.held] == robots.cells[self._escapes.held]
+        is_away = goals != robots.cells
+        urgent, undelayed = (np.flatnonzero(each & is_away) for each in (hurries, has_turn))
         at_rest = at_work & np.array(routes.at_rest[:count])
         actions = np.where(at_rest, np.where(robots.loaded, DROP, PICK), WAIT)
-        return Duties(robots, self._goals(robots), stays, actions)
-
-    def _are_at_work(self, robots: RobotStates) -> Flags:
-        """Return whether each robot is where it has to pick or drop, ``[R]``."""
-        are_there: Flags = (robots.cells == robots.goals) & ~robots.ended
-        are_there &= self.chargers.turn == NONE
-        return are_there
+        return Situation(robots.cells, goals, stays, cells, urgent, undelayed), actions
 
     def _escape(
         self, robots: RobotStates, goals: Integers, is_done: bool, walls: set[int], people: Integers
@@ -162,7 +130,6 @@ class Scheduler:
             self.graph.close(cells)
             self._times.close(cells)
             self.chargers.measure()
-            self._trips = self._homes = np.empty(0)
             self._assigned = (b"", b"")
 
     def _look(self, env: FleetEnv, cells: Sequence[Cell]) -> RobotStates:
@@ -191,7 +158,6 @@ class Scheduler:
         known = env.order_arrays
         if not len(known.due):
             return robots
-        self._measure(known.pickup, known.dropoff)
         order = np.array([NONE if each is None else each for each in env.order_of])
         is_charging, is_theirs = self.chargers.turn != NONE, known.robot[order] != NONE
         able = ~(robots.loaded | robots.ended) & ((order == NONE) | ~is_theirs)
@@ -217,14 +183,16 @@ class Scheduler:
     ) -> None:
         """Assign these orders to these robots, and update ``order``."""
         known, cells = env.order_arrays, robots.cells[free]
-        times = self._times.between(cells[:, None], known.pickup[columns])
+        pickups, dropoffs = known.pickup[columns], known.dropoff[columns]
+        times = self._times.between(cells[:, None], pickups)
+        trips = self._times.between(pickups, dropoffs)
         if len(self.chargers.cells):
-            whole = times + self._trips[columns] + self._homes[columns]
+            whole = times + trips + self.chargers.home[dropoffs]
             times[~self.chargers.lasts(robots.battery[free, None], whole)] = np.inf
-        times[:, ~np.isfinite(self._trips[columns])] = np.inf
+        times[:, ~np.isfinite(trips)] = np.inf
         held = np.where(order[free] == NONE, NONE, np.searchsorted(columns, order[free]))
         due, now = known.due[columns] / self._cell_steps, env.steps / self._cell_steps
-        given = self._assign(Tasks(times, self._trips[columns], due, now, held))
+        given = self._assign(Tasks(times, trips, due, now, held))
         new = np.where(given == NONE, NONE, columns[given])
         changed = np.flatnonzero(new != order[free])
         for robot in free[changed[order[free[changed]] != NONE]].tolist():
@@ -232,14 +200,6 @@ class Scheduler:
         for place in changed[new[changed] != NONE].tolist():
             env.assign(int(free[place]), int(new[place]))
         order[free] = new
-
-    def _measure(self, pickups: Integers, dropoffs: Integers) -> None:
-        """Measure the travel times of new orders, from pickup to dropoff and on to a charger."""
-        first = len(self._trips)
-        if first < len(pickups):
-            trips = self._times.between(pickups[first:], dropoffs[first:])
-            self._trips = np.concatenate([self._trips, trips])
-            self._homes = np.concatenate([self._homes, self.chargers.home[dropoffs[first:]]])
 
     def _goals(self, robots: RobotStates) -> Integers:
         """Return the goal of each robot; robots without a task park out of the way."""

@@ -30,7 +30,7 @@ class TravelTimes:
         """Close these cells to all paths, and reopen the cells that were closed before."""
         self._fields.graph.close(cells)
 
-    def between(self, cells: Integers, goals: Integers) -> NDArray[np.float32]:
+    def between(self, cells: Integers, goals: Integers) -> NDArray[np.float64]:
         """Return the times from cells to goals, which are broadcast; infinite without a path.
 
         The robots start in the best direction.
@@ -38,4 +38,4 @@ class TravelTimes:
         fields, graph = self._fields, self._fields.graph
         rows, headings = fields.rows(goals), np.arange(0, graph.places, graph.size)
         times = fields.matrix[rows[..., None], cells[..., None] + headings].min(axis=-1)
-        return np.where(times == FAR, np.inf, times / fields.step).astype(np.float32)
+        return np.where(times == FAR, np.inf, times / fields.step)

@@ -7,9 +7,7 @@ place ``heading * H * W + cell``. Otherwise places are cells.
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,11 +44,14 @@ MAX_BYTES = 250_000_000
 See also ``waypoints.py``. With it, 10,000 robots on 140 x 500 cells take less than 600 MB in all.
 """
 
-MAX_PRICE = 100_000
-"""Highest cost of a step, in tenths of a step, for which compiled code measures distances."""
+MAX_PRICE = 1_000_000
+"""Highest price of a move in ``Fields``, which need a bucket for each price up to the highest."""
 
 NO_ROW = -1
 """Row of a goal that has no field in ``Fields``."""
+
+QUARTERS = np.array([[0, 1, 2, 1, 0], [1, 0, 1, 2, 0], [2, 1, 0, 1, 0], [1, 2, 1, 0, 0]])
+"""Quarter turns from each heading before moving N, E, S or W, or waiting."""
 
 SQUARE = 4
 """Side of a square of cells whose distances are close together in memory.
@@ -90,8 +91,7 @@ class Graph:
     def __init__(self, layout: Layout, costs: Costs | None = None, turn_cost: float = 0.0) -> None:
         self.layout, self.costs = instance_of("layout", layout, Layout), costs
         self.turn_cost = real_number("turn_cost", turn_cost, 0.0)
-        quarters = [[0, 1, 2, 1, 0], [1, 0, 1, 2, 0], [2, 1, 0, 1, 0], [1, 2, 1, 0, 0]]
-        self.turns = np.array(quarters, np.float32) * np.float32(self.turn_cost)
+        self.turns = QUARTERS.astype(np.float32) * np.float32(self.turn_cost)
         height, width = layout.height, layout.width
         self.size = height * width
         is_open = np.zeros((height + 2, width + 2), np.bool_)
@@ -104,7 +104,7 @@ class Graph:
             to = (layout.open_cells + down * width + right).astype(np.int32)
             self.neighbours[layout.open_cells[reached], action] = to[reached]
         self.closed: frozenset[int] = frozenset()
-        self._fields: OrderedDict[int, Costs] = OrderedDict()
+        self._fields: dict[int, Costs] = {}
 
     def with_turns(self, turn_cost: float) -> Graph:
         """Return the graph with a cost of turns, or the graph itself if this cost is 0."""
@@ -147,24 +147,19 @@ class Graph:
         result[[*self.closed, *cells.tolist()]] = 1
         return result
 
-    def distances(self, goal: int, keep: bool = True) -> Costs:
+    def distances(self, goal: int) -> Costs:
         """Return the cost of the cheapest path from each place to a goal, ``[places]`` float32.
 
         The cost is infinite for walls and for cells from which the goal is unreachable. Callers
-        must not change the field, because it is cached for later calls. It is not cached if
-        ``keep`` is false, and it is dropped when other fields fill ``MAX_BYTES``.
+        must not change the field, because it is cached until other fields fill ``MAX_BYTES``.
         """
-        field = self._fields.get(goal)
+        field = self._fields.pop(goal, None)
         if field is None:
-            goals = range(goal, self.places, self.size) if self.turn_cost else [goal]
+            goals = range(goal, self.places, self.size)
             field = self._edges.cheapest(goals).astype(np.float32)
-            if not keep:
-                return field
-            self._fields[goal] = field
-            while len(self._fields) > max(MAX_BYTES // field.nbytes, 1):
-                self._fields.popitem(last=False)
-        else:
-            self._fields.move_to_end(goal)
+        self._fields[goal] = field  # the field that was used last comes last
+        if len(self._fields) > max(MAX_BYTES // field.nbytes, 1):
+            del self._fields[next(iter(self._fields))]
         return field
 
     def path(self, cell: int, goal: int) -> list[int]:
@@ -213,19 +208,6 @@ def robots_in(size: int, cells: Integers) -> Integers:
     return result
 
 
-def in_parts(graph: Graph) -> Graph:
-    """Return a graph whose costs are multiples of ``1 / PARTS``, at least one part if not 0.
-
-    Distances then use the same units, so that no step shortens a distance by more than its cost.
-    """
-
-    def rounded(costs: Any) -> Any:
-        return np.where(costs > 0, np.maximum(np.rint(costs * PARTS), 1), 0) / PARTS
-
-    costs = None if graph.costs is None else rounded(graph.costs)
-    return graph.with_costs(costs, float(rounded(np.float64(graph.turn_cost))))
-
-
 class Fields:
     """The distance fields of the current goals of many robots, as rows of a matrix.
 
@@ -246,7 +228,6 @@ class Fields:
     def __init__(self, graph: Graph, followed: Graph | None = None) -> None:
         self.graph, self._followed = graph, followed or graph
         self.step = 1 if graph.costs is None and not graph.turn_cost else PARTS
-        self._rounded = graph if self.step == 1 else in_parts(graph)
         self.matrix = np.empty((0, graph.places), np.int32)
         self._row_of = np.full(graph.size, NO_ROW)
         self._free: list[int] = []
@@ -263,12 +244,9 @@ class Fields:
         """Return the row of ``matrix`` of each goal, valid until the next call."""
         if self._closed != self._followed.closed:
             self._closed = self._followed.closed
-            for graph in (self.graph, self._rounded):
-                if graph.closed != self._closed:
-                    graph.close(self._closed)
             self._row_of[:] = NO_ROW
             self._free = list(range(self._used))
-            for name in ("floor", "near"):
+            for name in ("near", "floor", "_reverse", "_edges"):
                 self.__dict__.pop(name, None)
         new = np.unique(goals[self._row_of[goals] == NO_ROW]).tolist()
         if len(new) > len(self._free):
@@ -285,25 +263,22 @@ class Fields:
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
         """Write the distances of all places from a goal into a field."""
-        if self._is_compiled:
+        if IS_COMPILED and self._leads_back:
             measure(self._reverse, goal, table_of(field))
         else:
-            field[:] = self._distances(goal)
+            self._spread(goal, field)
 
-    def _distances(self, goal: int) -> Integers:
-        """Return the distances of all places from a goal, computed with SciPy."""
-        distances = self._rounded.distances(goal, keep=False) * self.step
-        result: Integers = np.minimum(np.rint(distances), FAR).astype(np.int32)
-        return result
-
-    @property
-    def _is_compiled(self) -> bool:
-        """True if compiled code measures distances."""
-        return IS_COMPILED and self._leads_back and not self._closed and self._is_cheap
+    def _spread(self, goal: int, field: NDArray[np.int32]) -> None:
+        """Do the same with SciPy."""
+        goals = range(goal, self.graph.places, self.graph.size)
+        field[:] = np.minimum(self._edges.cheapest(goals), FAR)
 
     @cached_property
-    def _is_cheap(self) -> bool:
-        return int(self.prices.max()) <= MAX_PRICE
+    def _edges(self) -> Edges:
+        """The steps of ``near`` in reverse direction, so that goals are sources."""
+        start, action = np.nonzero(self.near[:, :WAIT] != self.graph.places)
+        costs = self.prices[start, action].astype(np.float64)
+        return Edges(self.near[start, action], start, costs, self.graph.places)
 
     @cached_property
     def near(self) -> Integers:
@@ -311,22 +286,31 @@ class Fields:
 
         No action leads into a closed cell.
         """
-        graph, (here, facing) = self._rounded, self._stands
-        reached = graph.neighbours[here]
-        result = np.where(reached == CLOSED, graph.places, graph.places_at(here, facing))
-        result[np.isin(reached, list(graph.closed))] = graph.places
+        graph, (here, facing) = self.graph, self._stands
+        is_shut = np.isin(graph.neighbours[here], [CLOSED, *self._closed])
+        result = np.where(is_shut, graph.places, graph.places_at(here, facing))
         result[:, WAIT] = np.arange(graph.places)
         return result
 
     @cached_property
     def prices(self) -> Integers:
         """Costs of the steps of ``near``, ``[places, 5]``."""
-        graph, (here, facing) = self._rounded, self._stands
-        costs = np.ones((graph.size, WAIT + 1))
-        if graph.costs is not None:
-            costs[:, :WAIT] = graph.costs
-        price = costs[here] + graph.turns[facing]
-        result: Integers = np.minimum(np.rint(price * self.step), FAR).astype(np.int64)
+        here, facing = self._stands
+        turn = self._units(self.graph.turn_cost) if self.graph.turn_cost else 0
+        result: Integers = self._costs[here] + turn * QUARTERS[facing]
+        return result
+
+    @property
+    def _costs(self) -> Integers:
+        """Costs of the moves N, E, S and W, and of waiting, in each cell, ``[size, 5]``."""
+        costs = np.ones((self.graph.size, ACTIONS))
+        if self.graph.costs is not None:
+            costs[:, :WAIT] = self.graph.costs
+        return self._units(costs)
+
+    def _units(self, costs: NDArray[np.floating] | float) -> Integers:
+        """Return costs above 0 as whole numbers of ``1 / step``, and at least one of them."""
+        result: Integers = np.clip(np.rint(costs * self.step), 1, MAX_PRICE).astype(np.int64)
         return result
 
     @cached_property
@@ -411,10 +395,10 @@ class HeadedFields(Fields):
     @cached_property
     def near(self) -> Integers:
         """Place that each action leads to from each place, ``[places, 5]``, or ``places``."""
-        graph, places = self._rounded, np.arange(self._rounded.places).reshape(WAIT, -1)
+        graph, places = self.graph, np.arange(self.graph.places).reshape(WAIT, -1)
         result = np.full((*places.shape, ACTIONS), graph.places)
         ahead = graph.neighbours[:, :WAIT].T
-        is_shut = (ahead == CLOSED) | np.isin(ahead, list(graph.closed))
+        is_shut = np.isin(ahead, [CLOSED, *self._closed])
         result[..., FORWARD] = np.where(is_shut, graph.places, ahead + places[:, :1])
         result[..., RIGHT] = np.roll(places, -1, axis=0)
         result[..., LEFT] = np.roll(places, 1, axis=0)
@@ -424,19 +408,17 @@ class HeadedFields(Fields):
     @cached_property
     def prices(self) -> Integers:
         """Costs of the steps of ``near``, ``[places, 5]``."""
-        graph = self._rounded
-        result = np.full((WAIT, graph.size, ACTIONS), self.step)
-        if graph.costs is not None:
-            result[..., FORWARD] = np.rint(graph.costs.T * self.step)
+        result = np.full((WAIT, self.graph.size, ACTIONS), self.step)
+        result[..., FORWARD] = self._costs[:, :WAIT].T
         return result.reshape(-1, ACTIONS)
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
-        if self._is_compiled:
+        if IS_COMPILED:
             measure(self._reverse, int(self._columns[goal]), table_of(self._field))
             field[:] = FAR
             field.reshape(WAIT, -1)[:, self._cells] = self._field.T
         else:
-            field[:] = self._distances(goal)
+            self._spread(goal, field)
 
     @cached_property
     def _reverse(self) -> Reverse:
