@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.fleet.travel import TravelTimes
-from agents.mapf.assignment import NONE, OUT_OF_REACH, cheapest_matching
-from agents.mapf.graph import MOVES, Costs
+from agents.mapf.assignment import OUT_OF_REACH, cheapest_matching
+from agents.mapf.graph import Costs, Graph
+from agents.mapf.kernels.places import NONE
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.batch.fleet_settings import STEPS
 from warehouse_core.motion.base import BaseMotion, with_defaults
-from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 
 DETOUR = 2.0
@@ -82,13 +83,9 @@ def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs |
     """
     if not layout.chargers:
         return costs
-    size = layout.height * layout.width
-    around = np.ones((size, len(MOVES)), np.float32) if costs is None else costs.copy()
-    chargers = layout.numbers(layout.chargers)
-    for move in MOVES:
-        down, right = DISPLACEMENTS[move]
-        around[(chargers - down * layout.width - right) % size, move] += INTO_CHARGER
-    return around
+    reached = Graph(layout).neighbours[:, :WAIT]
+    into = np.where(np.isin(reached, layout.numbers(layout.chargers)), INTO_CHARGER, 0.0)
+    return (into + (1.0 if costs is None else costs)).astype(np.float32)
 
 
 def use_and_charge(env: FleetEnv) -> tuple[float, float]:

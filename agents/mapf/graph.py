@@ -26,9 +26,6 @@ __all__ = ["Graph"]
 
 Costs = NDArray[np.float32]
 
-MOVES = range(WAIT)
-"""The actions that move a robot: N, E, S, W."""
-
 EAST = 1
 """Initial heading of robots."""
 
@@ -47,17 +44,8 @@ See also ``waypoints.py``. With it, 10,000 robots on 140 x 500 cells take less t
 MAX_PRICE = 1_000_000
 """Highest price of a move in ``Fields``, which need a bucket for each price up to the highest."""
 
-NO_ROW = -1
-"""Row of a goal that has no field in ``Fields``."""
-
 QUARTERS = np.array([[0, 1, 2, 1, 0], [1, 0, 1, 2, 0], [2, 1, 0, 1, 0], [1, 2, 1, 0, 0]])
 """Quarter turns from each heading before moving N, E, S or W, or waiting."""
-
-SQUARE = 4
-"""Side of a square of cells whose distances are close together in memory.
-
-A robot reads the distances ahead and to its sides, which then share fewer cache lines.
-"""
 
 
 class Graph:
@@ -173,7 +161,8 @@ class Graph:
             reached = self.neighbours[cell, :WAIT]
             costs = self.turns[heading, :WAIT] + (1 if self.costs is None else self.costs[cell])
             places = self.places_at(np.array([cell]), np.array([heading]))[0, :WAIT]
-            heading = int(np.where(reached == CLOSED, np.inf, field[places] + costs).argmin())
+            is_shut = np.isin(reached, [CLOSED, *self.closed])
+            heading = int(np.where(is_shut, np.inf, field[places] + costs).argmin())
             cell = int(reached[heading])
             path.append(cell)
         return path
@@ -183,22 +172,21 @@ class Graph:
         """Number of the connected part of each place, ``[places]``, ignoring closed cells."""
         return self._edges.parts()
 
+    @property
+    def stands(self) -> tuple[Integers, Integers]:
+        """Cell and heading of each place."""
+        facing, here = np.divmod(np.arange(self.places), self.size)
+        return here, facing
+
     @cached_property
     def _edges(self) -> Edges:
         """The moves in reverse direction, so that goals are sources."""
-        start, action = np.nonzero(self.neighbours[:, :WAIT] != CLOSED)
-        end = self.neighbours[start, action]
-        if self.closed:
-            is_open = ~np.isin(end, list(self.closed))
-            start, action, end = start[is_open], action[is_open], end[is_open]
-        costs = np.ones(len(start)) if self.costs is None else self.costs[start, action]
-        if self.turn_cost:  # a robot moves straight ahead or turns
-            start, end = action * self.size + start, action * self.size + end
-            stands = np.add.outer(self.size * np.arange(WAIT), self.layout.open_cells)
-            for turned in (np.roll(stands, 1, axis=0), np.roll(stands, -1, axis=0)):
-                start, end = np.append(start, stands), np.append(end, turned)
-                costs = np.append(costs, np.full(stands.size, self.turn_cost))
-        return Edges(end, start, costs.astype(np.float64), self.places)
+        here, facing = self.stands
+        is_shut = np.isin(self.neighbours[here, :WAIT], [CLOSED, *self.closed])
+        place, action = np.nonzero(~is_shut)
+        turns = self.turns[facing[place], action].astype(np.float64)
+        costs = turns + (1 if self.costs is None else self.costs[here[place], action])
+        return Edges(self.places_at(here, facing)[place, action], place, costs, self.places)
 
 
 def robots_in(size: int, cells: Integers) -> Integers:
@@ -225,14 +213,17 @@ class Fields:
         matrix: ``[n, places]`` int32, one row for each goal.
     """
 
+    _moves = WAIT  # actions below this number are moves
+
     def __init__(self, graph: Graph, followed: Graph | None = None) -> None:
         self.graph, self._followed = graph, followed or graph
         self.step = 1 if graph.costs is None and not graph.turn_cost else PARTS
         self.matrix = np.empty((0, graph.places), np.int32)
-        self._row_of = np.full(graph.size, NO_ROW)
+        self._row_of = np.full(graph.size, NONE)
         self._free: list[int] = []
         self._used = 0
-        self._closed, self._leads_back = graph.closed, not graph.turn_cost
+        self._closed = graph.closed
+        self._beside = np.empty((graph.size, graph.places // graph.size), np.int32)
         prepare(measure)
 
     @property
@@ -244,11 +235,11 @@ class Fields:
         """Return the row of ``matrix`` of each goal, valid until the next call."""
         if self._closed != self._followed.closed:
             self._closed = self._followed.closed
-            self._row_of[:] = NO_ROW
+            self._row_of[:] = NONE
             self._free = list(range(self._used))
             for name in ("near", "floor", "_reverse", "_edges"):
                 self.__dict__.pop(name, None)
-        new = np.unique(goals[self._row_of[goals] == NO_ROW]).tolist()
+        new = np.unique(goals[self._row_of[goals] == NONE]).tolist()
         if len(new) > len(self._free):
             self._free_rows(goals, len(new))
         for goal in new:
@@ -262,23 +253,41 @@ class Fields:
         return self.matrix[rows, places].astype(np.int64)
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
-        """Write the distances of all places from a goal into a field."""
-        if IS_COMPILED and self._leads_back:
-            measure(self._reverse, goal, table_of(field))
+        """Write the distance of each place from a goal into a field, with Numba or else SciPy."""
+        if IS_COMPILED:
+            measure(self._reverse, goal, table_of(self._beside))
+            field.reshape(-1, self.graph.size)[:] = self._beside.T
         else:
-            self._spread(goal, field)
+            goals = range(goal, self.graph.places, self.graph.size)
+            field[:] = np.minimum(self._edges.cheapest(goals), FAR)
 
-    def _spread(self, goal: int, field: NDArray[np.int32]) -> None:
-        """Do the same with SciPy."""
-        goals = range(goal, self.graph.places, self.graph.size)
-        field[:] = np.minimum(self._edges.cheapest(goals), FAR)
+    def _steps(self, actions: int) -> tuple[Integers, Integers, Integers]:
+        """Return first place, last place and price of each step of ``near`` by these actions."""
+        start, action = np.nonzero(self.near[:, :actions] != self.graph.places)
+        return start, self.near[start, action], self.prices[start, action]
 
     @cached_property
     def _edges(self) -> Edges:
         """The steps of ``near`` in reverse direction, so that goals are sources."""
-        start, action = np.nonzero(self.near[:, :WAIT] != self.graph.places)
-        costs = self.prices[start, action].astype(np.float64)
-        return Edges(self.near[start, action], start, costs, self.graph.places)
+        start, end, price = self._steps(WAIT)
+        return Edges(end, start, price.astype(np.float64), self.graph.places)
+
+    @cached_property
+    def _reverse(self) -> Reverse:
+        """The steps of ``near`` in reverse direction, for kernels."""
+        start, end, price = self._steps(self._moves)
+        size, (_, headings) = self.graph.size, self._beside.shape
+        start, end = (each % size * headings + each // size for each in (start, end))
+        order = np.argsort(end, kind="stable")
+        number = np.arange(len(end)) - np.searchsorted(end[order], end[order])
+        behind = np.full((self.graph.places, self._moves, 2), NONE, np.int32)
+        behind[end[order], number] = np.stack([start[order], price[order]], axis=1)
+        entries = np.empty((WAIT * self.graph.places, 2), np.int32)
+        return Reverse(
+            headings=headings, turn=self.step if self._moves < WAIT else 0,
+            behind=table_of(behind), entries=table_of(entries),
+            heads=buffer(int(self.prices.max()) + 1, NONE),
+        )  # fmt: skip
 
     @cached_property
     def near(self) -> Integers:
@@ -286,7 +295,7 @@ class Fields:
 
         No action leads into a closed cell.
         """
-        graph, (here, facing) = self.graph, self._stands
+        graph, (here, facing) = self.graph, self.graph.stands
         is_shut = np.isin(graph.neighbours[here], [CLOSED, *self._closed])
         result = np.where(is_shut, graph.places, graph.places_at(here, facing))
         result[:, WAIT] = np.arange(graph.places)
@@ -295,7 +304,7 @@ class Fields:
     @cached_property
     def prices(self) -> Integers:
         """Costs of the steps of ``near``, ``[places, 5]``."""
-        here, facing = self._stands
+        here, facing = self.graph.stands
         turn = self._units(self.graph.turn_cost) if self.graph.turn_cost else 0
         result: Integers = self._costs[here] + turn * QUARTERS[facing]
         return result
@@ -327,38 +336,14 @@ class Fields:
             through=buffer_of(through), step=self.step,
         )  # fmt: skip
 
-    @property
-    def _stands(self) -> tuple[Integers, Integers]:
-        """Cell and heading of each place."""
-        facing, here = np.divmod(np.arange(self.graph.places), self.graph.size)
-        return here, facing
-
-    @cached_property
-    def _reverse(self) -> Reverse:
-        """The steps of ``near`` in reverse direction."""
-        return self._reverse_of(np.arange(self.graph.size), WAIT)
-
-    def _reverse_of(self, numbers: Integers, moves: int) -> Reverse:
-        """Return the steps of ``near`` in reverse, given the numbers of places and of moves."""
-        start, action = np.nonzero(self.near[:, :moves] != self.graph.places)
-        into = numbers[self.near[start, action]] * moves + action
-        behind, price = np.full((2, (numbers.max() + 1) * moves), NONE, np.int32)
-        behind[into], price[into] = numbers[start], self.prices[start, action]
-        entries, below = np.empty((2, WAIT * (numbers.max() + 1)), np.int32)
-        return Reverse(
-            headings=self.graph.places // self.graph.size, turn=self.step,
-            behind=table_of(behind), price=table_of(price), entries=table_of(entries),
-            below=table_of(below), heads=buffer(int(self.prices.max()) + 1, NONE),
-        )  # fmt: skip
-
     def _free_rows(self, goals: Integers, number: int) -> None:
         """Free ``number`` rows: rows of old goals if new rows would exceed ``MAX_BYTES``."""
         most = MAX_BYTES // (self.matrix.shape[1] * self.matrix.itemsize)
         if self._used + number - len(self._free) > most:
-            is_old = self._row_of != NO_ROW
+            is_old = self._row_of != NONE
             is_old[goals] = False
             self._free += self._row_of[is_old].tolist()
-            self._row_of[is_old] = NO_ROW
+            self._row_of[is_old] = NONE
         used = max(self._used, self._used + number - len(self._free))
         if used > len(self.matrix):
             kept = self.matrix
@@ -381,16 +366,12 @@ class HeadedFields(Fields):
         graph: floor. A turn takes one step, whatever its ``turn_cost`` is.
     """
 
+    _moves = FORWARD + 1
+
     def __init__(self, graph: Graph) -> None:
         super().__init__(graph.with_costs(graph.costs, 1.0), graph)
-        self._leads_back = True
         if graph.costs is None:
             self.step = 1
-        rows, columns = np.divmod(graph.layout.open_cells, graph.layout.width)
-        self._cells = graph.layout.open_cells[np.lexsort((columns // SQUARE, rows // SQUARE))]
-        self._columns = np.zeros(graph.size, np.intp)
-        self._columns[self._cells] = np.arange(len(self._cells))
-        self._field = np.empty((len(self._cells), WAIT), np.int32)
 
     @cached_property
     def near(self) -> Integers:
@@ -411,16 +392,3 @@ class HeadedFields(Fields):
         result = np.full((WAIT, self.graph.size, ACTIONS), self.step)
         result[..., FORWARD] = self._costs[:, :WAIT].T
         return result.reshape(-1, ACTIONS)
-
-    def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
-        if IS_COMPILED:
-            measure(self._reverse, int(self._columns[goal]), table_of(self._field))
-            field[:] = FAR
-            field.reshape(WAIT, -1)[:, self._cells] = self._field.T
-        else:
-            self._spread(goal, field)
-
-    @cached_property
-    def _reverse(self) -> Reverse:
-        here, facing = self._stands
-        return self._reverse_of(self._columns[here] * WAIT + facing, FORWARD + 1)

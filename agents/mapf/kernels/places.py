@@ -23,7 +23,7 @@ The numbers between them are a turn to the right and a turn to the left.
 """
 
 NONE = -1
-"""Marks a missing entry, configuration or cost."""
+"""Marks a missing entry, configuration, cost, order, robot, charger or cell."""
 
 FAR = 1 << 30
 """Distance of a place from which the goal is unreachable."""
@@ -57,27 +57,24 @@ class Places(NamedTuple):
 class Reverse(NamedTuple):
     """The steps between places in reverse direction, and buffers of ``measure``.
 
-    Places may have other numbers here, so that places in the same cell are next to one another.
+    Places have other numbers here, so that places in the same cell are next to one another.
 
     Attributes:
         headings: number of places in each cell: 1, or 4 with headings.
-        turn: cost of a quarter turn, with headings.
-        behind: ``[places * moves]``, the places from which moves lead to each place, or ``NONE``.
-            There are four moves to a place without headings, and one with headings.
-        price: ``[places * moves]``, costs of these moves.
+        turn: cost of a quarter turn in a cell, or 0 if robots only move.
+        behind: ``[places * moves * 2]``, the places from which moves lead to each place, each with
+            the cost of the move, and then ``NONE``.
         heads: last entry of each bucket, all ``NONE`` between searches. There is one bucket more
             than the highest price, and the buckets are used cyclically.
-        entries: ``[places * 4]``, places in buckets.
-        below: ``[places * 4]``, previous entry in the same bucket, or ``NONE``.
+        entries: ``[places * 4 * 2]``, places in buckets, each with the previous entry in the same
+            bucket, or ``NONE``.
     """
 
     headings: int
     turn: int
     behind: Table
-    price: Table
     heads: Buffer
     entries: Table
-    below: Table
 
 
 @kernel
@@ -90,8 +87,8 @@ def lower(
     into = bucket + cost
     if into >= len(reverse.heads):
         into -= len(reverse.heads)
-    field[place], reverse.entries[count] = distance + cost, place
-    reverse.below[count], reverse.heads[into] = reverse.heads[into], count
+    field[place], reverse.entries[2 * count] = distance + cost, place
+    reverse.entries[2 * count + 1], reverse.heads[into] = reverse.heads[into], count
     return 1
 
 
@@ -100,10 +97,10 @@ def measure(reverse: Reverse, goal: int, field: Table) -> None:
     """Write the cost of the cheapest path from each place to a goal into a field, ``[places]``.
 
     The search is Dijkstra's with buckets in place of a heap (Dial, 1969). All places of the cell
-    with the number ``goal`` have the distance 0.
+    ``goal`` have the distance 0.
     """
-    behind, price, heads = reverse.behind, reverse.price, reverse.heads
-    moves, turns = len(behind) // len(field), reverse.headings > 1
+    behind, heads, entries = reverse.behind, reverse.heads, reverse.entries
+    width = len(behind) // len(field)
     for place in range(len(field)):
         field[place] = FAR
     bucket, distance, count = 0, 0, 0
@@ -117,15 +114,16 @@ def measure(reverse: Reverse, goal: int, field: Table) -> None:
             if bucket == len(heads):
                 bucket = 0
             continue
-        heads[bucket], place = reverse.below[entry], reverse.entries[entry]
+        place, heads[bucket] = entries[2 * entry], entries[2 * entry + 1]
         waiting -= 1
         if field[place] != distance:
             continue  # a cheaper path has been found since
         before = count
-        for step in range(place * moves, (place + 1) * moves):
-            if behind[step] != NONE:
-                count += lower(reverse, field, behind[step], distance, price[step], bucket, count)
-        if turns:
+        for at in range(place * width, (place + 1) * width, 2):
+            if behind[at] == NONE:
+                break
+            count += lower(reverse, field, behind[at], distance, behind[at + 1], bucket, count)
+        if reverse.turn > 0:
             for turn in (1, 3):
                 beside = (place & ~3) + ((place + turn) & 3)
                 count += lower(reverse, field, beside, distance, reverse.turn, bucket, count)

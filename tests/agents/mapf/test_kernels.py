@@ -109,16 +109,10 @@ def test_measured_distances_equal_dijkstra(kind: type[Fields], wrong_way: float)
     graph = Graph(layout, None if wrong_way is None else lane_costs(layout, wrong_way))
     fields = kind(graph)
     for goal in layout.open_cells[::7].tolist():  # searches reuse their buffers
-        found = np.full(fields.graph.places, FAR, np.int32)
-        if isinstance(fields, HeadedFields):
-            of_open_cells = np.empty((len(layout.open_cells), 4), np.int32)
-            measure(fields._reverse, int(fields._columns[goal]), table_of(of_open_cells))
-            columns = fields._columns[layout.open_cells]
-            found.reshape(4, -1)[:, layout.open_cells] = of_open_cells[columns].T
-        else:
-            measure(fields._reverse, goal, table_of(found))
+        found = np.empty_like(fields._beside)
+        measure(fields._reverse, goal, table_of(found))
         distances = fields.graph.distances(goal) * fields.step
-        assert np.array_equal(found, np.minimum(np.rint(distances), FAR))
+        assert np.array_equal(found.T.ravel(), np.minimum(np.rint(distances), FAR))
 
 
 def test_the_proved_cost_equals_brute_force() -> None:
