@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from agents.mapf.assignment import NONE
 from agents.mapf.graph import CLOSED, Graph
+from agents.mapf.kernels.places import NONE
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Flags, Integers
 
@@ -40,7 +40,7 @@ class Detours:
         self._open, self._around = (Graph(graph.layout, graph.costs) for _ in range(2))
         self._cells, self._goals = np.full((2, robots), NONE)
         self._waits = np.zeros(robots, np.intp)
-        self._legs: dict[int, list[int]] = {}
+        self._ahead: dict[int, list[int]] = {}
 
     def goals(
         self, cells: Integers, goals: Integers, stays: Flags, people: Integers
@@ -65,42 +65,26 @@ class Detours:
         self._cells, self._goals = cells.copy(), goals.copy()
         stands = self._waits >= self._patience
         self._waits[stands] = 0
-        for robot, legs in list(self._legs.items()):
-            if legs[0] == cells[robot]:
-                legs.pop(0)
-            if not legs or is_changed[robot] or stands[robot]:
-                del self._legs[robot]
+        for robot, path in list(self._ahead.items()):
+            if path[0] == cells[robot]:
+                path.pop(0)
+            if not path or is_changed[robot] or stands[robot]:
+                del self._ahead[robot]
         held = np.flatnonzero(stands & is_in_the_way[near].any(axis=1))
         if len(held):
             self._around.close(frozenset(np.flatnonzero(is_in_the_way).tolist()))
         for robot in held.tolist():
-            self._legs[robot] = self._legs_of(int(cells[robot]), int(goals[robot]))
-        return {robot: legs[0] for robot, legs in self._legs.items()}
+            self._ahead[robot] = self._path(int(cells[robot]), int(goals[robot]))
+        return {robot: path[0] for robot, path in self._ahead.items()}
 
-    def _legs_of(self, cell: int, goal: int) -> list[int]:
-        """Return the sequence of goals with which a robot goes around obstacles or gives way."""
-        field = self._around.distances(goal).copy()
-        gives_way = cell == goal or not np.isfinite(field[cell])
-        if gives_way:
-            goal = self._refuge(cell)
-            field = self._around.distances(goal).copy()
-        straight, path = self._open.distances(goal), [cell]
-        field[[each for each in self._around.closed if each != cell]] = np.inf
-        while field[path[-1]] - straight[path[-1]] > LONGER:
-            sides = self._open.neighbours[path[-1], :WAIT]
-            costs = 1 if self._open.costs is None else self._open.costs[path[-1]]
-            best = np.where(sides == CLOSED, np.inf, field[sides] + costs).argmin()
-            path.append(int(sides[best]))
-        legs, first = [], 0
-        while first < len(path) - 1:
-            last, costs = len(path) - 1, field[path[first]] - field[path]
-            while last > first + 1 and (
-                self._open.distances(path[last])[path[first]] < costs[last] - LONGER
-            ):
-                last = (first + last) // 2
-            legs.append(path[last])
-            first = last
-        return [*legs, goal] if gives_way else legs or [goal]
+    def _path(self, cell: int, goal: int) -> list[int]:
+        """Return the cells through which a robot goes around obstacles or gives way."""
+        path = self._around.path(cell, goal)
+        if cell == goal or path[-1] != goal:
+            refuge = self._refuge(cell)
+            return self._around.path(cell, refuge)[1:] or [refuge]
+        longer = self._around.distances(goal)[path] - self._open.distances(goal)[path]
+        return path[1 : int((longer > LONGER).argmin()) + 1] or [goal]
 
     def _refuge(self, cell: int) -> int:
         """Return the nearest cell behind a junction, or the last cell of a dead end."""
