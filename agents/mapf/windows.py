@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.mapf.circulation import auction_on, dead_ends, waits_for_exits
+from agents.mapf.circulation import auction_on
 from agents.mapf.graph import Fields, Graph, HeadedFields, robots_in
 from agents.mapf.kernels.buffers import buffer_of, write
 from agents.mapf.kernels.epibt import epibt_of
@@ -69,9 +69,6 @@ MAX_WINDOW = 10_000
 MAX_STATES = 2**31
 """Limit on the states of a search in a window. They have 32-bit numbers and take up to 24 bytes."""
 
-SHARED = ("goals", "rows", "stays", "is_closed")
-"""Buffers of the robots that their paths share."""
-
 
 class WindowedPlanner(PlacePlanner):
     """Planner that plans the next steps of all robots, improves the plan, and takes its first step.
@@ -113,13 +110,11 @@ class WindowedPlanner(PlacePlanner):
     def reset(self) -> None:
         """Forget the last episode."""
         super().reset()
-        self._memory = Memory(self.graph, np.empty(0))
+        self._places = np.empty((0, 1), np.int32)
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot after the step just chosen and after each later step."""
-        if robot >= len(self._memory.goals):
-            return []
-        cells: list[int] = (self._places[robot, 1:] % self.graph.size).tolist()
+        cells: list[int] = (self._places[robot : robot + 1, 1:] % self.graph.size).ravel().tolist()
         return cells
 
     def _choose(self, situation: Situation, places: Integers | None) -> Integers:
@@ -135,11 +130,10 @@ class WindowedPlanner(PlacePlanner):
         floor, times = self.fields.floor, self.window + 1
         self._robots = robots_of(self.graph.size, robots, self.seed)
         self._rounds, self._kind = self._make_rounds(robots, has_headings), 0
-        self._outward = dead_ends(self.graph)
-        groups = LEAST_GROUPS if self.seconds == inf else inf
-        groups = min(max(robots, groups), MOST_GROUPS if self.seconds == inf else inf)
+        groups = min(max(robots, LEAST_GROUPS), MOST_GROUPS) if self.seconds == inf else inf
         self._most_groups = groups if self.groups is None else self.groups
-        shared = {name: getattr(self._robots, name) for name in SHARED}
+        names = "goals", "rows", "stays", "is_closed"
+        shared = {name: getattr(self._robots, name) for name in names}
         self._routes = new_routes(floor, robots, times, True)._replace(**shared)
         self._frontier = new_frontier(floor, self._routes)
         self._groups = new_groups(robots, times, self.seed)
@@ -164,7 +158,6 @@ class WindowedPlanner(PlacePlanner):
     def _read(self, situation: Situation) -> None:
         """Load a situation into the buffers: robots, goals and priorities."""
         graph, cells, goals = self.fields.graph, situation.cells, situation.goals
-        goals = np.where(waits_for_exits(self._outward, cells, goals), cells, goals)
         rows = self.fields.rows(goals)
         is_away = self.fields.matrix[rows, self._here] == FAR
         if is_away.any():  # an unreachable goal is treated as no goal
