@@ -15,15 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.mapf.assignment import NONE
 from agents.mapf.graph import CLOSED, Fields
 from agents.mapf.kernels import lacam
-from agents.mapf.kernels import pibt as kernels
 from agents.mapf.kernels.buffers import table_of, write
 from agents.mapf.kernels.epibt import epibt_of
 from agents.mapf.kernels.local_guidance import guidance_of
 from agents.mapf.kernels.pibt import pibt_of
-from agents.mapf.kernels.places import FAR
+from agents.mapf.kernels.places import FAR, NONE
 from agents.mapf.kernels.robots import robots_of
 from warehouse_core.compiled import prepare
 from warehouse_core.world.actions import WAIT
@@ -80,15 +78,13 @@ class JointSearch:
         goals = np.where(is_chief, deadlock.field.argmin(), NONE)
         rows = np.where(is_chief, 0, size)
         write(robots, goals=goals, rows=rows, chosen=np.array(deadlock.cells))
-        self._pibt = pibt_of(size, count)
         for cell in deadlock.blocked:
-            self._pibt.is_taken[cell] = kernels.CLOSED
+            robots.is_closed[cell] = 1
+        self._pibt = pibt_of(size, count)
         self._epibt = epibt_of(fields.graph.neighbours[:0, :WAIT], 0)  # unused
         self._guidance = guidance_of(size, count, 0)
-        self._search = search = lacam.new_search(count)
-        write(search, ranks=ranks, rows=np.where(is_chief, 0, 2 * size))
-        first = lacam.slot_of(search, robots.chosen, 0)
-        lacam.add(search, robots, self._floor, self._table, NONE, first)
+        rows = np.where(is_chief, 0, 2 * size)
+        self._search = lacam.new_search(robots, self._floor, self._table, ranks, rows)
 
     def go_on(self, rounds: int) -> bool:
         """Continue for a number of rounds of PIBT, and return whether the search is over."""
@@ -178,9 +174,6 @@ class Escapes:
         fields: distances on the floor, in steps.
         robots: ``R``.
         cell_steps: steps in which a robot crosses a cell.
-
-    Attributes:
-        held: robots that make only planned moves.
     """
 
     def __init__(self, fields: Fields, robots: int, cell_steps: float = 1.0) -> None:

@@ -23,6 +23,7 @@ import numpy as np
 
 from agents.mapf.assignment import HANDLING
 from agents.mapf.graph import Fields, Graph
+from agents.mapf.kernels.places import NONE
 from warehouse_core import Episode, OrderQueue
 from warehouse_core.wording import brief
 from warehouse_core.world.tables import Integers
@@ -43,9 +44,6 @@ ERROR = 1e-4
 
 INFEASIBLE = 2
 """Status code of SciPy's solver for a program without a solution."""
-
-NO_ORDER = -1
-"""Marks a move that delivers no order."""
 
 
 class Optimum(NamedTuple):
@@ -94,7 +92,7 @@ class Flow(NamedTuple):
 
     Attributes:
         tails, heads: ``[M]``, nodes from and to which the moves lead.
-        order: ``[M]``, order that each move delivers, or ``NO_ORDER``.
+        order: ``[M]``, order that each move delivers, or ``NONE``.
         time: ``[M]``, time at which each move ends.
         robots: ``[N]``, number of robots that begin in each node.
     """
@@ -169,7 +167,7 @@ def _flow(jobs: Jobs, unit: int) -> Flow:
     places, starts = sum(jobs.distances.shape), jobs.distances.shape[1] - jobs.robots
     moves = list[Integers]()
 
-    def add(tail: int, head: int, times: Integers, steps: int, order: int = NO_ORDER) -> None:
+    def add(tail: int, head: int, times: Integers, steps: int, order: int = NONE) -> None:
         ends = times + steps // unit
         columns = tail * units + times, head * units + ends, order, ends
         moves.append(np.array(np.broadcast_arrays(*columns)))
@@ -198,7 +196,7 @@ def _solve(flow: Flow, exactly: bool) -> Optimum:
     from scipy.optimize import Bounds, LinearConstraint, linprog, milp
     from scipy.sparse import csr_array, vstack
 
-    count, orders, delivers = len(flow.order), 1 + flow.order.max(), flow.order != NO_ORDER
+    count, orders, delivers = len(flow.order), 1 + flow.order.max(), flow.order != NONE
     each, ones = np.arange(count), np.ones(count)
     leaving = csr_array((ones, (flow.tails, each)), (len(flow.robots), count))
     entering = csr_array((ones, (flow.heads, each)), (len(flow.robots), count))

@@ -12,16 +12,10 @@ from agents.fleet.scheduler import Scheduler, shares_cell
 from agents.mapf.assignment import ASSIGNMENTS
 from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.kernels.robots import NOBODY
-from agents.mapf.planner import (
-    Planner,
-    Situation,
-    check_next,
-    knows_headings,
-    next_steps,
-)
+from agents.mapf.planner import Planner, Situation, check_next, knows_headings, next_steps
 from agents.mapf.problem import places_of
 from agents.mapf.time_limit import time_limit
-from warehouse_core import FleetEnv
+from warehouse_core import Cell, FleetEnv
 from warehouse_core.arguments import flag, instance_of, one_of, real_number, with_methods
 from warehouse_core.records import FleetAgent
 from warehouse_core.records.plans import NO_PLANS, StepPlans
@@ -33,7 +27,6 @@ DEFAULT_ASSIGNMENT = "urgent"
 
 PLAN_SECONDS = 10.0
 """Default time limit for the plan of a step, in seconds."""
-
 
 _WAITS = TURN_ACTIONS.index("WAIT")
 
@@ -77,22 +70,19 @@ class PlanLog:
         """
         cells, goals = situation.cells, situation.goals
         graph, plan_of = getattr(planner, "graph", None) or graph, getattr(planner, "plan_of", None)
-        paths, wishes = dict[int, list[int]](), dict[int, list[int]]()
+        places, wishes = dict[int, list[Cell]](), dict[int, list[Cell]]()
         for robot in self._robots:
             ahead = plan_of(robot) if plan_of else []
             # A robot that cannot follow its plan waits.
             is_planned = ahead[:1] == [chosen[robot]]
-            paths[robot] = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
-            wishes[robot] = graph.path(paths[robot][-1], int(goals[robot]))
-        places, wished = (
-            {robot: graph.layout.cells(path) for robot, path in kind.items()}
-            for kind in (paths, wishes)
-        )
+            path = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
+            places[robot] = graph.layout.cells(path)
+            wishes[robot] = graph.layout.cells(graph.path(path[-1], int(goals[robot])))
         pushed = dict[int, int]()
         if self.pushes:
             pushers = getattr(planner, "pushers", ())
             pushed = {robot: int(by) for robot, by in enumerate(pushers) if by != NOBODY}
-        self.plans.append(StepPlans(places, wished, pushed))
+        self.plans.append(StepPlans(places, wishes, pushed))
 
 
 class PlannedFleet:

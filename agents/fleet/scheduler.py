@@ -12,9 +12,9 @@ from agents.fleet.charging import QUEUE_DISTANCE, Chargers, Needs
 from agents.fleet.detours import Detours
 from agents.fleet.escapes import Escapes
 from agents.fleet.travel import TravelTimes
-from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
+from agents.mapf.assignment import ASSIGNMENTS, REASSIGNING, Tasks
 from agents.mapf.graph import Fields, Graph
-from agents.mapf.kernels.places import FAR
+from agents.mapf.kernels.places import FAR, NONE
 from agents.mapf.planner import Situation
 from warehouse_core import Cell, FleetEnv
 from warehouse_core.motion.base import with_defaults
@@ -62,7 +62,6 @@ class Scheduler:
 
     def __init__(self, env: FleetEnv, assignment: str, known: Graph | None = None) -> None:
         self.graph = Graph(env.layout)
-        roads = Graph(env.layout, known.costs) if known else self.graph
         self._fields = Fields(self.graph)
         turn = known.turn_cost if known else 0.0
         self._times = TravelTimes(env.layout, 1.0 if env.settings.has_headings else turn)
@@ -73,7 +72,7 @@ class Scheduler:
         self._parking = parking_of(env.layout)
         self._assigned = (b"", b"")
         self._is_idle = np.zeros(env.settings.robots, np.bool_)
-        self._detours = Detours(roads, env.settings.robots, self._cell_steps)
+        self._detours = Detours(known or self.graph, env.settings.robots, self._cell_steps)
         self._escapes = Escapes(self._fields, env.settings.robots, self._cell_steps)
         self._was_charging = self._is_idle
 
@@ -215,17 +214,11 @@ def parking_of(layout: Layout) -> NDArray[np.intp]:
     This is the nearest cell that is neither a station or charger nor next to one. If all cells are
     next to stations, it is the nearest cell that is not one.
     """
-    width = layout.width
     busy = {*layout.pickups, *layout.dropoffs, *layout.chargers}
     adjacent = {(row + down, col + right) for row, col in busy for down, right in DISPLACEMENTS}
-    cells = layout.cells(layout.open_cells)
-    arrays = np.arange(layout.height * width)
-    for avoided in (busy | adjacent, busy):
-        places = [cell for cell in cells if cell not in avoided]
-        to = nearest(layout, places).ravel()
-        if places:
-            return np.where(to < 0, arrays, to)
-    return arrays
+    free = [cell for cell in layout.cells(layout.open_cells) if cell not in busy]
+    to = nearest(layout, [cell for cell in free if cell not in adjacent] or free).ravel()
+    return np.where(to < 0, np.arange(len(to)), to)
 
 
 def shares_cell(cells: Integers) -> Flags:

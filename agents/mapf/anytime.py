@@ -104,8 +104,9 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
         with suppress(PlanError):  # its share may be too short for a plan
             plain = solve_anytime(replace(problem, headings=None), share, seed, trials)
             plan = min(plan, with_turns(problem, plain), key=COST)
-    if not can_refine(problem, plan):
-        return plan
+    places = problem.graph.size * (len(HEADINGS) if has_headings else 1)
+    if not 0 < plan.makespan * places < MAX_STATES:
+        return plan  # no robot moves, or refining takes too much memory
     if is_small:
         if not has_headings:
             with suppress(PlanError):
@@ -118,12 +119,6 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
     refinement = Refinement(problem, plan, seed, search.steps)
     refinement.run(deadline, trials)
     return refinement.plan()
-
-
-def can_refine(problem: Problem, plan: Plan) -> bool:
-    """Return whether a plan has moves and is short enough to be refined."""
-    places = problem.graph.size * (1 if problem.headings is None else len(HEADINGS))
-    return 0 < plan.makespan * places < MAX_STATES
 
 
 def _guided(search: LaCAM, seed: int, start: float, seconds: float) -> Plan | None:

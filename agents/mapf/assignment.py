@@ -13,10 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.mapf.kernels.places import NONE
 from warehouse_core.world.tables import Integers
-
-NONE = -1
-"""Marks a missing order, robot, charger or cell."""
 
 OUT_OF_REACH = 1e9
 """Finite stand-in for an infinite cost, which ``linear_sum_assignment`` does not accept."""

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Fields, Graph, HeadedFields, robots_in
-from agents.mapf.kernels.auction import Auction, auction_of, choose
-from agents.mapf.kernels.buffers import write
-from agents.mapf.kernels.places import FAR, NONE, STAY
+from agents.mapf.kernels.auction import MAX_DISTANCE, PARTS, WORTH, Auction, choose
+from agents.mapf.kernels.buffers import buffer, buffer_of, table_of, write
+from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, robots_of
 from agents.mapf.planner import Memory, PlacePlanner, Situation
-from warehouse_core.arguments import instance_of, seed_number, whole_number
+from warehouse_core.arguments import instance_of, seed_number
 from warehouse_core.compiled import prepare
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
@@ -22,10 +22,7 @@ from warehouse_core.world.tables import Integers
 __all__ = ["Circulation"]
 
 PATIENCE = 200
-"""Default number of steps without a goal after which a robot's weight has doubled."""
-
-MAX_PATIENCE = 10_000
-"""Limit on patience. It is a factor of gains and costs, whose sums must fit 64 bits."""
+"""Steps without a goal after which a robot's weight has doubled; it continues to grow like this."""
 
 MOST_PATIENCES = 100
 """Limit on the weight of a robot in units of patience, which bounds the time of an auction."""
@@ -40,8 +37,6 @@ class Circulation(PlacePlanner):
     Args:
         graph: floor. With lanes as costs, robots reach more goals; see ``guidance.py``.
         seed: seed of random tie-breaks.
-        patience: number of steps without a goal after which a robot's weight has doubled. The
-            weight continues to grow at this rate.
 
     Example:
         >>> from agents.mapf.circulation import Circulation
@@ -55,10 +50,9 @@ class Circulation(PlacePlanner):
         33
     """
 
-    def __init__(self, graph: Graph, seed: int = 0, patience: int = PATIENCE) -> None:
+    def __init__(self, graph: Graph, seed: int = 0) -> None:
         self.graph = instance_of("graph", graph, Graph)
         self.seed = seed_number(seed)
-        self.patience = whole_number("patience", patience, 1, MAX_PATIENCE)
         prepare(choose)
         self.reset()
 
@@ -84,14 +78,14 @@ class Circulation(PlacePlanner):
         self._random = np.random.default_rng(self.seed)
         self._memory = Memory(graph, self._random.random(robots))
         self._robots = robots_of(graph.size, robots, self.seed)
-        self._auction = auction_on(self.fields, robots, self.patience)
+        self._auction = auction_on(self.fields, robots, PATIENCE)
         self._places, self._aims = np.full((2, robots), NONE)
 
     def _read(self, situation: Situation, places: Integers) -> None:
         """Load a situation into the buffers: robots, their moves, goals and weights."""
         cells, goals, stays, closed, urgent, _ = situation
         self._memory.order(cells, goals, urgent)
-        weights = np.minimum(self.patience + self._memory.ages, MOST_PATIENCES * self.patience)
+        weights = np.minimum(PATIENCE + self._memory.ages, MOST_PATIENCES * PATIENCE)
         weights[urgent] *= URGENCY
         rows, robots, auction = self.fields.rows(goals), self._robots, self._auction
         is_closed = self.graph.closed_with(closed)
@@ -111,13 +105,20 @@ class Circulation(PlacePlanner):
 
 
 def auction_on(fields: Fields, robots: int, unit: int) -> Auction:
-    """Return the buffers of an auction on a floor; see ``Auction``."""
-    graph, has_headings = fields.graph, isinstance(fields, HeadedFields)
-    neighbours, step = graph.neighbours[:, :WAIT], fields.step
+    """Return the buffers of an auction on a floor for robots of weight 1; see ``Auction``."""
+    graph, step = fields.graph, fields.step
+    size, neighbours = graph.size, graph.neighbours[:, :WAIT]
     if graph.costs is not None:  # so that even the cheapest move has a gain
-        cheapest = graph.costs[neighbours != CLOSED].min(initial=1.0) * step
-        step = max(1, int(cheapest))
-    return auction_of(neighbours, robots, step, has_headings, unit)
+        step = max(1, int(graph.costs[neighbours != CLOSED].min(initial=1.0) * step))
+    worth = WORTH * np.log2(np.arange(MAX_DISTANCE * PARTS + 1) / PARTS + 1)
+    return Auction(
+        step=step, has_headings=int(isinstance(fields, HeadedFields)), unit=unit,
+        ahead=table_of(neighbours.copy()), worth=buffer_of(np.rint(worth).astype(np.int64)),
+        targets=buffer(robots, NONE), is_there=buffer(robots), weights=buffer(robots, unit),
+        is_claimed=buffer(size), options=buffer(robots * ACTIONS, NONE),
+        gains=buffer(robots * ACTIONS), actions=buffer(robots, STAY), wanted=buffer(robots, NONE),
+        moves=buffer(robots), prices=buffer(size), holder=buffer(size, NOBODY),
+    )  # fmt: skip
 
 
 def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:

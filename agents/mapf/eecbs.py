@@ -52,7 +52,9 @@ class ExplicitTree(ConflictTree):
             leaves.remove(leaf)
             new = [Leaf(node, leaf.bound) for node in grown]
             if new and new[0].node is not leaf.node:
-                self._learn(leaf, min(new, key=lambda each: (each.conflicts, each.cost)))
+                child = min(new, key=lambda each: (each.conflicts, each.cost))
+                self._spent += child.cost - leaf.cost
+                self._removed += leaf.conflicts - child.conflicts
             leaves += new
         raise PlanError(NO_PLAN)
 
@@ -69,11 +71,6 @@ class ExplicitTree(ConflictTree):
         if expected.cost <= self.w * bound:
             return expected
         return min(leaves, key=lambda leaf: (leaf.bound, leaf.conflicts))
-
-    def _learn(self, leaf: Leaf, child: Leaf) -> None:
-        """Record the cost of one step down the tree and the number of conflicts that it removed."""
-        self._spent += child.cost - leaf.cost
-        self._removed += leaf.conflicts - child.conflicts
 
 
 def solve_eecbs(problem: Problem, seconds: float, w: float = W) -> Plan:

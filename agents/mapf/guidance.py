@@ -93,12 +93,19 @@ def learned_costs(
     head-on. The first trial has the given seed, and each next trial the next seed. See
     ``run_lifelong`` for the other arguments and for errors.
     """
-    learned = Traffic(layout)
+    costs = lanes = lane_costs(layout, FIRST_WRONG_WAY)
+    floor, opposite = Graph(layout), np.roll(np.arange(WAIT), 2)
+    reached, mean = floor.neighbours[:, :WAIT], np.zeros((floor.size, WAIT + 1))
+    is_move = reached != CLOSED
     for trial in range(seed, seed + trials):
-        graph = Graph(layout, learned.costs)
+        graph = Graph(layout, costs)
         run = run_lifelong(graph, PIBT(graph, trial), robots, steps, trial, starts, goals)
-        learned.add(run.cells)
-    return learned.costs
+        share = max(1 / (trial - seed + 1), MIN_SHARE)
+        mean += (traffic(graph, run.cells) - mean) * share
+        back, waiting = (np.where(is_move, mean[reached, at], 0) for at in (opposite, WAIT))
+        more = MOVE_COST * mean[:, :WAIT] + (OPPOSED_COST * back + WAIT_COST * waiting)
+        costs = np.round(lanes + more, 1).astype(np.float32)
+    return costs
 
 
 @lru_cache(maxsize=16)
@@ -109,7 +116,7 @@ def learn(layout: Layout, robots: int) -> Learned:
     """
     goals = station_goals(layout)
     if len(layout.open_cells) < 2:  # nobody can move
-        return Learned(Traffic(layout).costs, 1.0)
+        return Learned(lane_costs(layout, FIRST_WRONG_WAY), 1.0)
     costs = learned_costs(layout, robots, seed=TRIAL_SEED, goals=goals)
     costs.flags.writeable = False
     reached = [
@@ -126,31 +133,6 @@ def station_goals(layout: Layout) -> Integers | None:
         [np.tile(pickups, max(len(dropoffs), 1)), np.tile(dropoffs, max(len(pickups), 1))]
     )
     return goals if len(goals) > 1 else None
-
-
-class Traffic:
-    """Costs of moves that follow from the mean traffic of trials, and are lanes at first.
-
-    Attributes:
-        costs: ``[H * W, 4]``, see ``lane_costs``.
-    """
-
-    def __init__(self, layout: Layout) -> None:
-        self._graph, self._trials = Graph(layout), 0
-        self.costs = self._lanes = lane_costs(layout, FIRST_WRONG_WAY)
-        self._mean = np.zeros((self._graph.size, WAIT + 1))
-
-    def add(self, cells: Integers) -> None:
-        """Add a trial, given the cells of its robots before each step and after the last."""
-        self._trials += 1
-        share = max(1 / self._trials, MIN_SHARE)
-        self._mean += (traffic(self._graph, cells) - self._mean) * share
-        reached, opposite = self._graph.neighbours[:, :WAIT], np.roll(np.arange(WAIT), 2)
-        is_move = reached != CLOSED
-        there, back = self._mean[:, :WAIT], np.where(is_move, self._mean[reached, opposite], 0)
-        waiting = np.where(is_move, self._mean[reached, WAIT], 0)
-        more = MOVE_COST * there + (OPPOSED_COST * back + WAIT_COST * waiting)
-        self.costs = np.round(self._lanes + more, 1).astype(np.float32)
 
 
 def traffic(graph: Graph, cells: Integers) -> NDArray[np.float64]:

@@ -114,17 +114,12 @@ class LaCAM:
         self._robots = robots = robots_of(graph.size, problem.robots, seed)
         write(robots, goals=goals, rows=rows, chosen=problem.places)
         self._pibt = pibt_of(graph.size, problem.robots, is_final=True)
-        ahead = graph.neighbours[:, :WAIT]
-        is_used = problem.headings is not None
-        self._epibt = epibt_of(ahead, problem.robots) if is_used else epibt_of(ahead[:0], 0)
+        self._epibt = epibt_of(graph.neighbours[:, :WAIT], problem.robots)
         self._guidance = guidance_of(graph.size, problem.robots, window)
         left = self.steps.matrix.ravel()[step_rows + problem.places]
         self.lower_bound, self.longest_path = int(left.sum()), int(left.max(initial=0))
         ranks = np.argsort(-left, kind="stable")
-        self._search = search = kernels.new_search(problem.robots)
-        write(search, ranks=ranks, rows=step_rows)
-        first = kernels.slot_of(search, robots.chosen, 0)
-        kernels.add(search, robots, self._floor, self._steps, NONE, first)
+        self._search = kernels.new_search(robots, self._floor, self._steps, ranks, step_rows)
 
     def run(self, seconds: float, *, goes_on: bool = True) -> Plan:
         """Return the best plan that is found within a time limit, or the first one.

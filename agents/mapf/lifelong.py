@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,39 +80,21 @@ def run_lifelong(
     cells = streams[-1].permutation(starts)[:robots]
     wanted = np.array([stream.choice(goals) for stream in streams[:robots]])
 
-    def new_goals(cells: Integers, wanted: Integers) -> Integers:
+    headings = np.full(robots, EAST) if has_headings else NO_CELLS
+    nobody = np.zeros(robots, np.bool_)
+    all_cells, all_goals, seconds = [cells], [wanted], []
+    planner.reset()
+    for _ in range(steps):
+        start = time.process_time()
+        situation = Situation(cells, wanted, nobody, NO_CELLS)
+        cells = next_steps(planner, situation, headings)
+        if len(headings):
+            headings, cells = np.divmod(cells, graph.size)
+        seconds.append(time.process_time() - start)
         wanted = wanted.copy()
         for robot in np.flatnonzero(cells == wanted).tolist():
             while wanted[robot] == cells[robot]:
                 wanted[robot] = streams[robot].choice(goals)
-        return wanted
-
-    headings = np.full(robots, EAST) if has_headings else NO_CELLS
-    return run_with_goals(planner, cells, wanted, new_goals, steps, headings, graph.size)
-
-
-def run_with_goals(
-    planner: Planner, cells: Integers, goals: Integers,
-    new_goals: Callable[[Integers, Integers], Integers], steps: int,
-    headings: Integers = NO_CELLS, size: int = 0,
-) -> LifelongRun:  # fmt: skip
-    """Reset a planner and run it from the first cells of the robots, with goals that change.
-
-    ``new_goals`` returns new goals, ``[R]``, from the cells after a step and the current goals, and
-    must not change these arrays. If robots have headings, ``size`` is the number of cells, and the
-    planner has to support headings.
-    """
-    nobody = np.zeros(len(cells), np.bool_)
-    all_cells, all_goals, seconds = [cells], [goals], []
-    planner.reset()
-    for _ in range(steps):
-        start = time.process_time()
-        situation = Situation(cells, goals, nobody, NO_CELLS)
-        cells = next_steps(planner, situation, headings)
-        if len(headings):
-            headings, cells = np.divmod(cells, size)
-        seconds.append(time.process_time() - start)
-        goals = new_goals(cells, goals)
         all_cells.append(cells)
-        all_goals.append(goals)
+        all_goals.append(wanted)
     return LifelongRun(np.array(all_cells), np.array(all_goals), np.array(seconds))

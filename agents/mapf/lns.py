@@ -8,7 +8,6 @@ import numpy as np
 
 from agents.mapf.graph import Fields
 from agents.mapf.kernels.buffers import write
-from agents.mapf.kernels.lacam import prepare_solvers
 from agents.mapf.kernels.lns import improve_until, new_groups
 from agents.mapf.kernels.space_time_astar import new_frontier, new_routes, reserve_only
 from agents.mapf.problem import Plan, Problem
@@ -27,7 +26,6 @@ class Refinement:
     def __init__(
         self, problem: Problem, plan: Plan, seed: int | None = 0, steps: Fields | None = None
     ) -> None:
-        prepare_solvers()
         self._problem, graph = problem, problem.graph
         fields = steps or problem.fields(graph.with_costs())
         goals, robots = np.array(problem.goals, np.intp), problem.robots

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
-from agents.mapf.kernels import pibt as kernels
 from agents.mapf.kernels.buffers import write
-from agents.mapf.kernels.pibt import CHANCE_KEY, CHOSEN, STEP_KEY, WAIT_KEY, choose, pibt_of
+from agents.mapf.kernels.pibt import CHANCE_KEY, STEP_KEY, WAIT_KEY, choose, pibt_of
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, robots_of
 from agents.mapf.planner import Memory, PlacePlanner, Situation
 from warehouse_core.arguments import instance_of, seed_number
@@ -68,16 +67,13 @@ class PIBT(PlacePlanner):
         cells, goals, stays, closed, urgent, _ = situation
         places = self._memory.places(cells)
         order = self._memory.order(cells, goals, urgent)
-        is_taken = np.zeros(self.graph.size, np.int64)
-        is_taken[closed] = kernels.CLOSED
-        is_taken[cells[stays]] = CHOSEN
-        robot_in = robots_in(self.graph.size, cells)
         robots, pibt = self._robots, self._pibt
         write(
             robots, places=places, goals=goals, rows=self.fields.rows(goals) * self.graph.places,
-            order=order, chosen=np.where(stays, places, UNDECIDED), robot_in=robot_in,
+            order=order, chosen=np.where(stays, places, UNDECIDED),
+            robot_in=robots_in(self.graph.size, cells), is_closed=self.graph.closed_with(closed),
         )  # fmt: skip
-        write(pibt, is_taken=is_taken, pushers=np.full(len(cells), NOBODY))
+        write(pibt, pushers=np.full(len(cells), NOBODY))
         choose(self.fields.floor, robots, pibt, self.fields.table)
         self.pushers = np.array(pibt.pushers)
         return np.array(robots.chosen)

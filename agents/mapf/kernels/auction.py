@@ -21,13 +21,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, table_of
+from agents.mapf.kernels.buffers import Buffer, Table
 from agents.mapf.kernels.places import ACTIONS, NONE, STAY
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots, draw
 from warehouse_core.compiled import kernel
-from warehouse_core.world.tables import Integers
 
 WORTH, MAX_DISTANCE, PARTS = 1 << 16, 20_000, 8
 """Gain for halving the distance at weight 1, cap on distances in steps, and resolution per step."""
@@ -87,19 +84,6 @@ class Auction(NamedTuple):
     moves: Buffer
     prices: Buffer
     holder: Buffer
-
-
-def auction_of(ahead: Integers, robots: int, step: int, has_headings: bool, unit: int) -> Auction:
-    """Return the buffers for robots of weight 1; ``ahead`` is ``[size, 4]``."""
-    size, worth = len(ahead), WORTH * np.log2(np.arange(MAX_DISTANCE * PARTS + 1) / PARTS + 1)
-    return Auction(
-        step=step, has_headings=int(has_headings), unit=unit,
-        ahead=table_of(ahead.astype(np.int32)), worth=buffer_of(np.rint(worth).astype(np.int64)),
-        targets=buffer(robots, NONE), is_there=buffer(robots), weights=buffer(robots, unit),
-        is_claimed=buffer(size), options=buffer(robots * ACTIONS, NONE),
-        gains=buffer(robots * ACTIONS), actions=buffer(robots, STAY), wanted=buffer(robots, NONE),
-        moves=buffer(robots), prices=buffer(size), holder=buffer(size, NOBODY),
-    )  # fmt: skip
 
 
 @kernel

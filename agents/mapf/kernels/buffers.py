@@ -43,10 +43,8 @@ def table_of(numbers: NDArray[np.int32]) -> Table:
     return cast(Table, flat) if IS_COMPILED else memoryview(cast(Any, flat))
 
 
-def enlarged(old: Buffer, size: int, value: int = 0) -> Buffer:
-    """Return a longer buffer that begins with the numbers of another."""
-    if not IS_COMPILED:
-        return [*old, *[value] * (size - len(old))]
-    new = np.full(size, value, np.int64)
+def enlarged(old: Buffer, size: int) -> Buffer:
+    """Return a longer buffer that begins with the numbers of another, followed by zeros."""
+    new = buffer(size)
     new[: len(old)] = old
-    return cast(Buffer, new)
+    return new

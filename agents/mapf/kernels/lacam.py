@@ -21,16 +21,17 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, enlarged
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, enlarged
 from agents.mapf.kernels.epibt import Epibt
 from agents.mapf.kernels.epibt import choose as choose_by_epibt
 from agents.mapf.kernels.lns import improve
 from agents.mapf.kernels.local_guidance import Guidance, guide
-from agents.mapf.kernels.pibt import CHOSEN, Pibt
+from agents.mapf.kernels.pibt import Pibt
 from agents.mapf.kernels.pibt import choose as choose_by_pibt
 from agents.mapf.kernels.places import ACTIONS, NONE, Places, measure
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots, draw
 from warehouse_core.compiled import kernel, prepare
+from warehouse_core.world.tables import Integers
 
 SPENT, FULL, DONE, FOUND = 0, 1, 2, 3
 """Why a search returns: no rounds left, a buffer is full, the search is complete, a plan exists."""
@@ -90,28 +91,13 @@ NODES, EDGES, HEIGHT, BEST, ANYTIME = range(5)
 ROOM = 64
 """Capacity in configurations at the start."""
 
-PER_NODE = ("parent", "cost", "left", "tried", "edges", "entries", "queue", "is_queued")
-"""Buffers with one number for each configuration."""
-
-
-def new_search(robots: int) -> Search:
-    """Return the empty buffers of a search."""
-    search = Search(
-        places=buffer(ROOM * robots), orders=buffer(ROOM * robots), parent=buffer(ROOM),
-        cost=buffer(ROOM), left=buffer(ROOM), tried=buffer(ROOM), edges=buffer(ROOM),
-        edge_to=buffer(ROOM), edge_next=buffer(ROOM), table=buffer(4 * ROOM),
-        opened=buffer(4 * ROOM), entries=buffer(ROOM), queue=buffer(ROOM + 1),
-        is_queued=buffer(ROOM), ranks=buffer(robots), rows=buffer(robots), counts=buffer(5),
-    )  # fmt: skip
-    search.counts[BEST] = NONE
-    return search
-
 
 def enlarged_search(search: Search) -> Search:
     """Return a search in which every buffer that is nearly full has twice the capacity."""
     counts, short = search.counts, list[str]()
     if counts[NODES] == len(search.parent):
-        short += [*PER_NODE, "places", "orders"]
+        short += ["parent", "cost", "left", "tried", "edges", "entries", "queue", "is_queued"]
+        short += ["places", "orders"]
     if counts[EDGES] == len(search.edge_to):
         short += ["edge_to", "edge_next"]
     if counts[HEIGHT] + counts[NODES] + 1 >= len(search.opened):
@@ -237,6 +223,23 @@ def add(search: Search, robots: Robots, floor: Places, steps: Table, parent: int
     return node
 
 
+def new_search(
+    robots: Robots, floor: Places, steps: Table, ranks: Integers, rows: Integers
+) -> Search:
+    """Return a search from the configuration that the robots have chosen; see ``Search``."""
+    count = len(robots.goals)
+    search = Search(
+        places=buffer(ROOM * count), orders=buffer(ROOM * count), parent=buffer(ROOM),
+        cost=buffer(ROOM), left=buffer(ROOM), tried=buffer(ROOM), edges=buffer(ROOM),
+        edge_to=buffer(ROOM), edge_next=buffer(ROOM), table=buffer(4 * ROOM),
+        opened=buffer(4 * ROOM), entries=buffer(ROOM), queue=buffer(ROOM + 1),
+        is_queued=buffer(ROOM), ranks=buffer_of(ranks), rows=buffer_of(rows), counts=buffer(5),
+    )  # fmt: skip
+    search.counts[BEST] = NONE
+    add(search, robots, floor, steps, NONE, slot_of(search, robots.chosen, 0))
+    return search
+
+
 @kernel
 def load(search: Search, robots: Robots, pibt: Pibt, node: int) -> None:
     """Place the robots as in a configuration, with nothing chosen."""
@@ -289,9 +292,10 @@ def constrain(search: Search, robots: Robots, pibt: Pibt, floor: Places, node: i
         to = near[place * ACTIONS + action]
         other = robots.robot_in[to % size]
         swaps = other not in (NOBODY, robot) and robots.chosen[other] != UNDECIDED
-        if pibt.is_taken[to % size] or (swaps and robots.chosen[other] % size == place % size):
+        is_shut = pibt.is_taken[to % size] or robots.is_closed[to % size]
+        if is_shut or (swaps and robots.chosen[other] % size == place % size):
             return 0
-        robots.chosen[robot], pibt.is_taken[to % size] = to, CHOSEN
+        robots.chosen[robot], pibt.is_taken[to % size] = to, 1
     return 1
 
 

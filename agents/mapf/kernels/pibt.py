@@ -21,9 +21,6 @@ from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places
 from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, Robots, draw, mix
 from warehouse_core.compiled import kernel
 
-CHOSEN, CLOSED = 1, 2
-"""Marks in ``is_taken``: a robot has chosen this cell, or only the robot inside may keep it."""
-
 WAIT_KEY, OCCUPIED_KEY, CHANCE_KEY = 20, 20, 7
 """Penalties in the key of a choice: for waiting, for an occupied cell, and the largest random one.
 
@@ -40,7 +37,7 @@ class Pibt(NamedTuple):
 
     Attributes:
         pushers: robot that made each robot choose before its turn, or ``NOBODY``.
-        is_taken: ``[size]``, ``CHOSEN``, ``CLOSED``, or 0 for each cell.
+        is_taken: ``[size]``, 1 for cells that robots have chosen; all 0 between rounds.
         choices: ``[R * 5]``, places that each robot can go to, best first.
         options: number of these choices.
         tried: number of choices that each robot has tried.
@@ -244,13 +241,13 @@ def pull(floor: Places, robots: Robots, pibt: Pibt, robot: int) -> None:
     partner, here = pibt.partner[robot], robots.places[robot] % floor.size
     if partner == NOBODY or pibt.tried[robot] != 1 or robots.chosen[partner] != UNDECIDED:
         return
-    if pibt.is_taken[here]:
+    if pibt.is_taken[here] or robots.is_closed[here]:
         return
     for action in range(STAY):
         to = floor.near[robots.places[partner] * ACTIONS + action]
         if to != floor.closed and to % floor.size == here:
             robots.chosen[partner] = to
-            pibt.is_taken[here] = CHOSEN
+            pibt.is_taken[here] = 1
 
 
 @kernel
@@ -268,6 +265,9 @@ def choose(floor: Places, robots: Robots, pibt: Pibt, fields: Table) -> bool:
     robot_in, choices, options, tried = robots.robot_in, pibt.choices, pibt.options, pibt.tried
     is_complete = True
     draw(robots.random)
+    for robot in range(len(places)):
+        if chosen[robot] != UNDECIDED:
+            is_taken[chosen[robot] % size] = 1
     for at in range(len(robots.order)):
         robot, depth = robots.order[at], 0
         if chosen[robot] != UNDECIDED:
@@ -280,14 +280,19 @@ def choose(floor: Places, robots: Robots, pibt: Pibt, fields: Table) -> bool:
                 tried[robot] += 1
                 cell = place % size
                 other = robot_in[cell]
-                if (is_taken[cell] and (cell != here or is_taken[cell] == CHOSEN)) or (
-                    other != NOBODY
-                    and other != robot
-                    and chosen[other] != UNDECIDED
-                    and chosen[other] % size == here
+                is_shut = robots.is_closed[cell] and cell != here
+                if (
+                    is_taken[cell]
+                    or is_shut
+                    or (
+                        other != NOBODY
+                        and other != robot
+                        and chosen[other] != UNDECIDED
+                        and chosen[other] % size == here
+                    )
                 ):
                     continue  # another robot takes the cell, or the two would swap cells
-                chosen[robot], is_taken[cell], is_found = place, CHOSEN, True
+                chosen[robot], is_taken[cell], is_found = place, 1, True
             if is_found and other not in (NOBODY, robot) and chosen[other] == UNDECIDED:
                 robots.stack[depth] = robot
                 depth += 1
@@ -304,10 +309,12 @@ def choose(floor: Places, robots: Robots, pibt: Pibt, fields: Table) -> bool:
             # No choice is left. The robot stays, and the robot that pushed it tries another cell.
             chosen[robot] = places[robot]
             pibt.pushers[robot] = NOBODY
-            is_complete = is_complete and (depth > 0 or is_taken[here] != CHOSEN)
-            is_taken[here] = CHOSEN
+            is_complete = is_complete and (depth > 0 or not is_taken[here])
+            is_taken[here] = 1
             if depth == 0:
                 break
             depth -= 1
             robot = robots.stack[depth]
+    for robot in range(len(places)):
+        is_taken[chosen[robot] % size] = 0
     return is_complete

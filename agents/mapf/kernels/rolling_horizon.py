@@ -12,7 +12,7 @@ from agents.mapf.kernels.auction import choose as choose_by_circulation
 from agents.mapf.kernels.buffers import Table
 from agents.mapf.kernels.epibt import Epibt
 from agents.mapf.kernels.epibt import choose as choose_by_epibt
-from agents.mapf.kernels.pibt import CHOSEN, CLOSED, Pibt
+from agents.mapf.kernels.pibt import Pibt
 from agents.mapf.kernels.pibt import choose as choose_by_pibt
 from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots
@@ -93,17 +93,7 @@ def roll_pibt(
     place_robots(routes, robots, first)
     for time in range(first, last):
         begin_step(routes, robots, time)
-        if time < CLOSED_STEPS:
-            for cell in routes.closed:
-                pibt.is_taken[cell] = CLOSED
-        for robot in range(len(robots.places)):
-            if robots.chosen[robot] != UNDECIDED:
-                pibt.is_taken[robots.places[robot] % robots.size] = CHOSEN
         choose_by_pibt(floor, robots, pibt, fields)
-        for cell in routes.closed:
-            pibt.is_taken[cell] = 0
-        for robot in range(len(robots.places)):
-            pibt.is_taken[robots.chosen[robot] % robots.size] = 0
         end_step(routes, robots, time)
 
 

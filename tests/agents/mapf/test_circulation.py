@@ -7,6 +7,7 @@ import pytest
 from helpers.mapf_problems import random_problem, situation
 from helpers.mapf_runs import check_headed_planner, check_planner
 
+from agents.mapf import circulation
 from agents.mapf.circulation import Circulation, dead_ends, kept_aims, waits_for_exits
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.places import NONE
@@ -66,13 +67,14 @@ def test_equal_seeds_give_equal_runs_also_after_a_reset() -> None:
     assert not np.array_equal(one, third)
 
 
-def test_urgent_robots_and_those_that_have_waited_go_first() -> None:
+def test_urgent_robots_and_those_that_have_waited_go_first(monkeypatch) -> None:
     graph = Graph(Layout([".....", "##.##", "##.##"]))
     cells, goals = np.array([1, 3]), np.array([7, 12])  # the first is nearer, and would go first
     assert Circulation(graph).next_cells(situation(cells, goals)).tolist() == [2, 3]
     urgent = situation(cells, goals)._replace(urgent=np.array([1]))
     assert Circulation(graph).next_cells(urgent).tolist() == [1, 2]
-    planner = Circulation(graph, patience=1)
+    monkeypatch.setattr(circulation, "PATIENCE", 1)
+    planner = Circulation(graph)
     for _ in range(9):  # both goals are unreachable, then the first robot gets a new one
         planner.next_cells(situation(cells, goals)._replace(closed=np.array([2])))
     planner.next_cells(situation(cells, np.array([1, 12]))._replace(closed=np.array([2])))
