@@ -16,9 +16,6 @@ from warehouse_core.world.tables import Flags, Integers
 PATIENCE = 3
 """Waiting time next to an obstacle after which a robot counts as held up, in steps of a cell."""
 
-LONGER = 1e-3
-"""Difference of costs above which a path counts as longer; sums of costs are rounded."""
-
 
 class Detours:
     """Temporary goals for robots that are held up, until they have passed the obstacle.
@@ -83,8 +80,8 @@ class Detours:
         if cell == goal or path[-1] != goal:
             refuge = self._refuge(cell)
             return self._around.path(cell, refuge)[1:] or [refuge]
-        longer = self._around.distances(goal)[path] - self._open.distances(goal)[path]
-        return path[1 : int((longer > LONGER).argmin()) + 1] or [goal]
+        around, straight = (graph.distances(goal)[path] for graph in (self._around, self._open))
+        return path[1 : int(np.isclose(around, straight).argmax()) + 1] or [goal]
 
     def _refuge(self, cell: int) -> int:
         """Return the nearest cell behind a junction, or the last cell of a dead end."""

@@ -47,6 +47,9 @@ MAX_PRICE = 1_000_000
 QUARTERS = np.array([[0, 1, 2, 1, 0], [1, 0, 1, 2, 0], [2, 1, 0, 1, 0], [1, 2, 1, 0, 0]])
 """Quarter turns from each heading before moving N, E, S or W, or waiting."""
 
+SQUARE = 4
+"""Side of squares of cells whose distances are close together in the memory of ``measure``."""
+
 
 class Graph:
     """The open cells of a layout and the moves between them.
@@ -214,6 +217,7 @@ class Fields:
     """
 
     _moves = WAIT  # actions below this number are moves
+    _order: slice | Integers = np.s_[:]  # cells in the order in which kernels number them
 
     def __init__(self, graph: Graph, followed: Graph | None = None) -> None:
         self.graph, self._followed = graph, followed or graph
@@ -222,7 +226,7 @@ class Fields:
         self._row_of = np.full(graph.size, NONE)
         self._free: list[int] = []
         self._used = 0
-        self._closed = graph.closed
+        self._closed, self._number = graph.closed, np.arange(graph.size)
         self._beside = np.empty((graph.size, graph.places // graph.size), np.int32)
         prepare(measure)
 
@@ -255,8 +259,9 @@ class Fields:
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
         """Write the distance of each place from a goal into a field, with Numba or else SciPy."""
         if IS_COMPILED:
-            measure(self._reverse, goal, table_of(self._beside))
-            field.reshape(-1, self.graph.size)[:] = self._beside.T
+            measure(self._reverse, int(self._number[goal]), table_of(self._beside))
+            field[:] = FAR
+            field.reshape(-1, self.graph.size)[:, self._order] = self._beside.T
         else:
             goals = range(goal, self.graph.places, self.graph.size)
             field[:] = np.minimum(self._edges.cheapest(goals), FAR)
@@ -277,12 +282,12 @@ class Fields:
         """The steps of ``near`` in reverse direction, for kernels."""
         start, end, price = self._steps(self._moves)
         size, (_, headings) = self.graph.size, self._beside.shape
-        start, end = (each % size * headings + each // size for each in (start, end))
+        start, end = (self._number[each % size] * headings + each // size for each in (start, end))
         order = np.argsort(end, kind="stable")
         number = np.arange(len(end)) - np.searchsorted(end[order], end[order])
-        behind = np.full((self.graph.places, self._moves, 2), NONE, np.int32)
+        behind = np.full((self._beside.size, self._moves, 2), NONE, np.int32)
         behind[end[order], number] = np.stack([start[order], price[order]], axis=1)
-        entries = np.empty((WAIT * self.graph.places, 2), np.int32)
+        entries = np.empty((WAIT * self._beside.size, 2), np.int32)
         return Reverse(
             headings=headings, turn=self.step if self._moves < WAIT else 0,
             behind=table_of(behind), entries=table_of(entries),
@@ -372,6 +377,10 @@ class HeadedFields(Fields):
         super().__init__(graph.with_costs(graph.costs, 1.0), graph)
         if graph.costs is None:
             self.step = 1
+        rows, columns = np.divmod(graph.layout.open_cells, graph.layout.width)
+        cells = graph.layout.open_cells[np.lexsort((columns // SQUARE, rows // SQUARE))]
+        self._number[cells] = np.arange(len(cells))
+        self._order, self._beside = cells, np.empty((len(cells), WAIT), np.int32)
 
     @cached_property
     def near(self) -> Integers:
