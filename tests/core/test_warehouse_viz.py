@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from helpers.fleets import fleet_episode
-from helpers.pictures import press, replay_of, short_episode, texts
+from helpers.pictures import press, short_episode, texts
 from matplotlib.animation import FuncAnimation
 
 from warehouse_core import WarehouseEnv
@@ -58,20 +58,6 @@ def test_the_chapters_loop_can_be_replayed() -> None:
     assert isinstance(animation, FuncAnimation)
     animation.go_to(3)
     assert {"step 3 of 3", "battery 197 of 200"} <= set(texts(animation))
-
-
-def test_an_episode_has_its_own_frames_and_metrics() -> None:
-    episode = short_episode()
-    drawn = []
-    for replay in (replay_of(episode), replay_of(episode.frames, episode.metrics)):
-        charts = [axes for axes in replay.figure.axes if axes.get_title(loc="left")]
-        lines = {axes.get_title(loc="left"): axes.lines[1:-1] for axes in charts}
-        drawn.append({name: [line.get_xydata() for line in each] for name, each in lines.items()})
-    whole, bare = drawn
-    assert [name.split(":")[0] for name in bare] == ["Reward", "Distance (cells)"]
-    for name, lines in bare.items():
-        for line, other in zip(lines, whole[name], strict=True):
-            np.testing.assert_equal(line, other)
 
 
 def test_metrics_given_with_an_episode_are_refused() -> None:

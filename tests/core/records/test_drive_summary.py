@@ -30,17 +30,6 @@ def test_a_body_stops_at_the_end_of_each_move_however_long_it_rests_there() -> N
     assert summary.top_speed == pytest.approx(1, abs=0.01)
 
 
-def test_the_way_back_after_a_hit_counts_too() -> None:
-    episode = driven("W", "E")
-    [contact] = episode.motions[0].contacts
-    summary = drive_summary(episode)
-    assert summary is not None
-    assert (summary.hits, summary.largest_impulse) == (1, contact.impulse)
-    assert summary.stops == 3, "at the wall, back in its cell, and in the next one"
-    assert summary.distance == pytest.approx(1.3, abs=0.02)
-    assert (summary.seconds, summary.joules) == (episode.seconds, episode.joules)
-
-
 @pytest.mark.parametrize("drive", ["omnidirectional", "differential"])
 def test_the_distance_is_the_integral_of_the_speed(drive: str) -> None:
     env = WarehouseEnv(backend=f"physics:drive={drive}")

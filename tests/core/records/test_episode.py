@@ -96,20 +96,6 @@ def test_an_agents_reason_is_kept_with_its_action(episode: Episode) -> None:
     assert set(episode.reasons) == {"", "because", "müde"}
 
 
-def test_a_recorder_is_driven_by_hand() -> None:
-    env = WarehouseEnv(LINE, start_pos=(0, 0))
-    recorder = EpisodeRecorder(env, agent="me")
-    assert recorder.place == "reset"
-    assert recorder.step("PICK", reason="here it is")["has_item"]
-    assert not recorder.ended
-    assert recorder.episode.outcome == "unfinished"
-    recorder.run(Script("E", "E", "E", "DROP"))
-    assert recorder.ended
-    assert recorder.place == "step 6"
-    assert (recorder.episode.agent, recorder.episode.seed) == ("me", None)
-    assert recorder.episode.reasons == ["here it is", "", "", "", ""]
-
-
 def test_a_step_that_raises_is_not_recorded() -> None:
     recorder = EpisodeRecorder(WarehouseEnv(), agent="me")
     with pytest.raises(TypeError):
@@ -186,37 +172,7 @@ def test_metrics_are_the_four_lists_of_the_chapter() -> None:
     assert metrics["dist_dropoff"] == [3, 3, 2, 1, 0, 0, 0]
 
 
-def test_metrics_of_a_fleet_of_one_equal_those_of_a_lone_robot() -> None:
-    lone = on_line(*DELIVERY)
-    env = FleetEnv(LINE, 1, orders=None, starts=[(0, 0)])
-    recorder = FleetRecorder(env, seed=5)
-    for action in DELIVERY:
-        recorder.step([action])
-    fleet = recorder.episode
-    assert fleet.metrics == lone.metrics
-    assert fleet.total_reward == lone.total_reward
-    assert (fleet.seconds[:, 0].sum(), fleet.joules[:, 0].sum()) == (lone.seconds, lone.joules)
-    with_orders = fleet_episode(robots=1, people=0)
-    assert with_orders.metrics.keys() == {"rewards", "battery"}
-    assert fleet_episode(max_steps=3).metrics == {}
-
-
 # Files.
-
-
-def test_a_record_loads_as_it_was_saved(episode: Episode, saved: Path) -> None:
-    loaded = Episode.load(saved)
-    assert loaded == episode
-    assert loaded.motions == episode.motions
-    assert loaded.total_reward == episode.total_reward
-    kinds = {type(value) for cell in loaded.cells for value in cell}
-    kinds |= {type(value) for value in loaded.battery}
-    assert kinds == {int}
-    assert {type(value) for value in loaded.rewards} == {float}
-    assert {type(value) for value in loaded.loaded} == {bool}
-    assert [type(a) for a in loaded.actions] == [type(a) for a in episode.actions]
-    assert any(motion.contacts for motion in loaded.motions)
-    assert not any(motion.path.flags.writeable for motion in loaded.motions)
 
 
 @pytest.mark.parametrize(
@@ -380,36 +336,10 @@ def test_a_record_holds_what_the_fleet_did() -> None:
     assert episode.motions == []
 
 
-def test_a_move_that_was_blocked_is_recorded_with_what_blocked_it() -> None:
-    env = FleetEnv(LANE, 2, orders=None, starts=[(0, 0), (0, 1)], people=0, max_steps=9)
-    recorder = FleetRecorder(env, seed=1)
-    recorder.step(["E", "W"])
-    recorder.step(["N", "E"])
-    assert recorder.episode.stopped_by.tolist() == [[1, 0], [-2, -1]]
-
-
-def test_bodies_have_paths_in_metres() -> None:
-    episode = fleet_episode(backend="physics", max_steps=5)
-    assert [len(motions) for motions in episode.motions] == [6] * 5
-    assert any(len(motion.path) > 2 for motion in episode.motions[0])
-    ends = [SHELVES.numbers([motion.cell for motion in each]).tolist() for each in episode.motions]
-    assert ends == np.hstack([episode.cells, episode.people])[1:].tolist()
-    assert dataclasses.replace(episode, motions=[]) != episode
-
-
 def test_a_seed_is_drawn_and_kept() -> None:
     one, other = (fleet_episode(seed=None) for _ in range(2))  # type: ignore[arg-type]
     assert one.seed != other.seed
     assert replay_episode(one) == one
-
-
-def test_reasons_of_a_fleet_are_kept() -> None:
-    episode = fleet_episode(agent=Talkers(), orders=[Order(3, 40, (1, 1), (1, 5))], max_steps=20)
-    for reasons, actions in zip(episode.reasons, episode.actions.tolist(), strict=True):
-        words = [WarehouseEnv.ACTIONS[each] if each != INVALID else "FLY" for each in actions]
-        is_waiting = set(words) == {"WAIT"}
-        assert reasons == tuple("all wait" if is_waiting else f"to {word}" for word in words)
-    assert (episode.actions == INVALID).any()
 
 
 @pytest.mark.parametrize("reason", [None, 5, ["one"], "all"])

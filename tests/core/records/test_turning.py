@@ -61,15 +61,6 @@ def test_a_record_has_the_headings_and_is_replayed_and_stored_whole(tmp_path: Pa
 
 
 @pytest.mark.filterwarnings("ignore:2 chargers can keep")
-def test_fleets_without_headings_are_stored_as_before() -> None:
-    episode = record(moves="compass")
-    arrays = pack(fields_of(episode))
-    assert "headings" not in arrays
-    assert "moves" not in episode.settings.to_json()
-    assert np.array_equal(episode.counted_actions(), episode.actions)
-
-
-@pytest.mark.filterwarnings("ignore:2 chargers can keep")
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [

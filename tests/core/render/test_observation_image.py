@@ -3,7 +3,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warehouse_core import Layout, WarehouseEnv, random_layout
+from warehouse_core import Layout, WarehouseEnv
 from warehouse_core.render.observation_image import TILE_PIXELS, ObservationImage
 from warehouse_core.render.painter import CODES, TilePainter
 from warehouse_core.render.palette import BATTERY, FAINT, INK
@@ -86,27 +86,6 @@ def test_the_bars_are_battery_and_steps() -> None:
         assert (middle[int(end) + 1 :] == ground).all()
         assert (lines[[0, -1]] == ground).all()
         assert (middle[0] == ground).all()
-
-
-@pytest.mark.parametrize("radius", [0, 2])
-def test_a_batch_of_pictures_equals_single_pictures(radius: int) -> None:
-    layout = random_layout(6, 8, 0.2, seed=3)
-    image = ObservationImage(6, 8, battery=200, max_steps=200)
-    env = WarehouseEnv(layout, view_radius=radius)
-    each: list[Any] = []
-    for seed in range(6):
-        env.reset(randomize=True, seed=seed)
-        env.state.has_item = seed % 2 == 1
-        if seed == 3:
-            env.state.robot_pos = env.layout.pickups[0]
-        if seed == 4:
-            env.state.robot_pos = env.layout.dropoffs[0]
-        each.append(encode(env.observe()))
-    stacks = {key: np.stack([np.asarray(arrays[key]) for arrays in each]) for key in each[0]}
-    together: Any = {key: all_.reshape(2, 3, *all_.shape[1:]) for key, all_ in stacks.items()}
-    found = image.paint(together)
-    assert found.shape == (2, 3, *image.shape)
-    assert np.array_equal(found.reshape(6, *image.shape), np.stack([*map(image.paint, each)]))
 
 
 def test_a_smaller_layout_is_shown_in_the_corner_of_a_larger_picture() -> None:

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from warehouse_core import DEFAULT_LAYOUT, Layout
+from warehouse_core import Layout
 from warehouse_core.render.atlas import (
     BORDERS,
     CELLS,
@@ -103,25 +103,6 @@ def test_each_tile_is_where_its_code_is() -> None:
         assert np.array_equal(paint_once(codes[1, 0], side), pictures[1, 0])
 
 
-@pytest.mark.parametrize("side", [2, 16, 40])
-def test_the_fast_path_paints_the_same(side: int) -> None:
-    painter, other = TilePainter(side), DEFAULT_LAYOUT.with_stations((1, 1), (5, 10))
-    for layout, robot, loaded in (
-        (DEFAULT_LAYOUT, (1, 1), False),
-        (DEFAULT_LAYOUT, (1, 3), True),
-        (DEFAULT_LAYOUT, (5, 6), False),
-        (other, (1, 1), True),
-        (DEFAULT_LAYOUT, (5, 10), True),
-        (Layout(other.rows), (5, 10), True),
-        (YARD, (2, 1), False),
-    ):
-        codes = codes_of(layout.rows)
-        codes[robot] = ROBOT_CODES[int(loaded), codes[robot]]
-        if not loaded:
-            codes[codes == CODES["P", NO_ROBOT]] = CODES["P", WAITING_ITEM]
-        assert np.array_equal(painter.picture(layout, robot, loaded), painter.paint(codes))
-
-
 def test_a_picture_is_a_new_array() -> None:
     painter = TilePainter(8)
     first = painter.picture(YARD, (1, 1), False)
@@ -163,17 +144,6 @@ def test_a_bar_is_filled_from_the_left() -> None:
     assert where(image[:, 11:], FAINT).all()
     for edge in (image[0], image[-1], image[:, 0]):
         assert where(edge, FAINT).all()
-
-
-@settings(max_examples=30)
-@given(st.floats(0, 1), st.floats(0, 1))
-def test_a_larger_share_fills_more(one: float, other: float) -> None:
-    filled = [
-        (255 * np.array(FAINT) - bar(share, 50, 4).astype(float))[1].sum() for share in (one, other)
-    ]
-    whole = 48 * 255 * (np.array(FAINT) - BATTERY).sum()
-    assert filled[0] / whole == pytest.approx(one, abs=0.01)
-    assert (filled[0] - filled[1]) * (one - other) >= -1e-6
 
 
 def test_bars_have_any_colour_and_shares_are_limited_to_0_and_1() -> None:

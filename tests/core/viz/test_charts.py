@@ -2,23 +2,10 @@
 
 import math
 
-import pytest
-
-from warehouse_core.viz.charts import BatteryBar, Chart, charts_of, fit
+from warehouse_core.viz.charts import BatteryBar, Chart, charts_of
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.tracks.series import Series
 from warehouse_core.viz.tracks.track import Frame, Track
-
-
-@pytest.mark.parametrize(
-    ("values", "low", "high"),
-    [([math.nan, 0.5], -1, 1), ([4, math.nan], -1, 4.4), ([-3, 7], -3.8, 7.8)],
-)
-def test_a_range_grows_with_a_margin_where_values_leave_it(values, low, high) -> None:
-    axes = make_figure((3, 2)).add_axes((0, 0, 1, 1))
-    axes.set_ylim(-1, 1)
-    fit(axes, values)
-    assert axes.get_ylim() == pytest.approx((low, high))
 
 
 def test_steps_of_deliveries_are_written_as_early_or_late() -> None:

@@ -5,7 +5,6 @@ from functools import cache
 import numpy as np
 import pytest
 from helpers.pictures import pixels, replay_of, short_episode
-from matplotlib.backend_bases import DrawEvent
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.path import Path
@@ -94,15 +93,6 @@ def test_a_change_of_the_background_is_drawn(replay, change) -> None:
     assert np.array_equal(pixels(replay), drawn_in_new_figure(4, change))
 
 
-@pytest.mark.parametrize("dpi", ["figure", 150])
-def test_a_vector_drawing_does_not_change_the_next_drawing(replay, dpi) -> None:
-    replay.go_to(3)
-    pixels(replay)
-    zoom(replay)
-    replay.figure.savefig(io.BytesIO(), format="svg", dpi=dpi)
-    assert np.array_equal(pixels(replay), drawn_in_new_figure(3, zoom))
-
-
 def test_a_vector_drawing_includes_the_moving_parts() -> None:
     figure = film().figure
     small, whole = io.BytesIO(), io.BytesIO()
@@ -116,37 +106,11 @@ def test_a_vector_drawing_includes_the_moving_parts() -> None:
     assert all(mover.get_animated() for mover in movers)
 
 
-def test_listeners_are_called_once_after_each_drawing(replay: Replay) -> None:
-    seen = []
-
-    def look(event: DrawEvent) -> None:
-        seen.append(np.asarray(event.canvas.buffer_rgba()).copy())  # type: ignore[attr-defined]
-
-    replay.figure.canvas.mpl_connect("draw_event", look)
-    for frame in (3, 3, 6):
-        replay.go_to(frame)
-    zoom(replay)
-    replay.figure.canvas.draw()
-    assert len(seen) == 4
-    for frame, picture in zip((3, 3, 6), seen, strict=False):
-        assert np.array_equal(picture[..., :3], drawn_in_new_figure(frame)), f"frame {frame}"
-    assert np.array_equal(seen[3][..., :3], drawn_in_new_figure(6, zoom))
-
-
 def test_a_listener_that_moves_something_does_not_change_the_present_drawing() -> None:
     # A replay is such a listener: its first drawing starts it and shows its current frame.
     replay = film()
     replay.show_still()
     assert np.array_equal(pixels(replay), drawn_in_new_figure(LAST))
-
-
-def test_a_text_without_letters_erases_no_other_text() -> None:
-    figures = [SceneFigure(figsize=(3, 1)) for _ in range(2)]
-    for figure in figures:
-        FigureCanvasAgg(figure)
-        figure.add_mover(figure.text(0.1, 0.5, "in the way of what was there"))
-    figures[0].add_mover(figures[0].text(0.5, 0.5, ""))
-    assert np.array_equal(*(figure.rgba() for figure in figures))
 
 
 def test_a_figure_without_pixels_raises() -> None:
@@ -239,12 +203,3 @@ def test_a_line_of_text_is_where_matplotlib_would_write_it(size: int, style: dic
         # Versions of matplotlib space small letters differently; this is half of a letter.
         assert abs(ours - theirs).max() <= 4
     assert len(inked[0]) == pytest.approx(len(inked[1]), rel=0.25)
-
-
-def test_a_line_of_text_is_cut_off_at_the_edges() -> None:
-    whole, cut = (SceneFigure(figsize=(2, 1)) for _ in range(2))
-    for figure, left, top in ((whole, 1, 0.5), (cut, 0, 0)):
-        FigureCanvasAgg(figure)
-        figure.add_text(left, top, text="MMMM", ha="center", va="center", fontsize=30)
-    quarter = whole.rgba()[50:, 100:][: 50 - 1, : 100 - 1]
-    assert np.array_equal(cut.rgba()[: 50 - 1, : 100 - 1], quarter)

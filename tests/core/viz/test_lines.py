@@ -10,8 +10,6 @@ from helpers.player import said_by
 from agents.run_episode import run_episode
 from warehouse_core import Episode, replay_animation
 from warehouse_core.viz.replay import Replay
-from warehouse_core.viz.tracks import track_of_record
-from warehouse_core.viz.tracks.signs import signs_of
 
 RAY, OUTLINE = (1.0, 1.5, 1.5, 9.5, 1.5), (0.0, 4.2, 3.2, 4.8, 3.8)
 
@@ -66,9 +64,3 @@ def test_v_hides_rays_but_not_outlines() -> None:
 def test_a_drawing_shows_outlines(tmp_path: Path) -> None:
     replay_of(RAY, OUTLINE).save(tmp_path / "drawing.svg")
     assert "M420,320L480,380" in (tmp_path / "drawing.svg").read_text(encoding="utf-8")
-
-
-def test_the_legend_explains_lines_that_occur() -> None:
-    names = [name for name, _ in signs_of(track_of_record(seen(RAY, OUTLINE)))]
-    assert {"ray", "outline"} <= {*names}
-    assert "outline" not in dict(signs_of(track_of_record(seen(RAY))))

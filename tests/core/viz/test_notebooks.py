@@ -11,7 +11,7 @@ from helpers.player import page_in, said_by
 from numpy.typing import NDArray
 from PIL import Image
 
-from warehouse_core import FleetEnv, Layout, WarehouseEnv
+from warehouse_core import FleetEnv, WarehouseEnv
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz import notebooks
 from warehouse_core.world.display import display
@@ -76,14 +76,6 @@ def test_a_player_too_large_for_a_notebook_is_a_sentence(monkeypatch: pytest.Mon
     assert len(shown) < 300
 
 
-def test_a_layout_is_a_picture() -> None:
-    image = picture(ROOM)
-    assert image.shape == (160, 200, 3)
-    assert (image[40:80, 40:80].reshape(-1, 3) != image[0, 0]).any()
-    assert count_color(image, COLORS["D"]) > 500
-    assert count_color(image, COLORS["R"]) == 0
-
-
 def test_an_environment_is_a_picture_of_its_present_state() -> None:
     env = WarehouseEnv(ROOM, (1, 2))
     env.step("E")
@@ -91,19 +83,6 @@ def test_an_environment_is_a_picture_of_its_present_state() -> None:
     assert count_color(image[40:80, 120:160], COLORS["R"]) > 100
     env.state.has_item = True
     assert (picture(env) != image).any()
-
-
-def test_a_fleet_is_a_picture_of_its_robots_and_people() -> None:
-    env = FleetEnv(Layout(["P........D"] * 4), 3, people=2, orders=0.1)
-    before = picture(env)
-    assert before.shape == (160, 400, 3)
-    assert count_color(before, COLORS["R"]) == count_color(before, COLORS["H"]) == 0
-    env.reset(seed=1)
-    after = picture(env)
-    for row, col in env.cells:
-        tile = after[40 * row : 40 * row + 40, 40 * col : 40 * col + 40]
-        assert count_color(tile, COLORS["R"]) > 100
-    assert count_color(after, COLORS["H"]) > 200
 
 
 def test_robots_whose_starts_are_known_are_there_before_the_reset() -> None:

@@ -1,20 +1,17 @@
 """Several tracks in one picture."""
 
 import dataclasses
-import re
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.text import Text
 
 from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.sheet import DASH
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
@@ -37,59 +34,8 @@ def physics(episodes: tuple[Episode, Episode]) -> Track:
     return track_of_record(episodes[1])
 
 
-def texts(scene: Scene) -> list[str]:
-    """Return all visible texts in the figure."""
-    return [text.get_text() for text in scene.root.findobj(Text) if text.get_visible()]
-
-
-def tallies(scene: Scene) -> list[str]:
-    """Return the lines that count the steps of both tracks."""
-    return [text for text in texts(scene) if re.match(r"([A-Z][a-z ]+: )?\d+ steps?\b", text)]
-
-
 def maps(scene: Scene) -> list[Axes]:
     return [axes for axes in scene.root.axes if axes.get_aspect() == 1]
-
-
-def test_a_grid_and_a_continuous_track_have_one_clock_in_seconds(grid, physics) -> None:
-    scene = Scene([grid, physics], make_figure)
-    at = next(n for n, moment in enumerate(scene._timeline.moments) if moment >= 10)
-    scene.show(at)
-    left, right = tallies(scene)
-    assert left == f"10 steps, {DASH} s, {DASH} J"
-    assert right.split(" ")[0] in ("5", "6")
-    assert f"{scene._timeline.moments[at]:.1f} s" in texts(scene)
-
-
-def test_the_faster_one_waits_at_its_end_with_its_verdict(grid: Track, physics: Track) -> None:
-    scene = Scene([grid, physics], make_figure)
-    at = next(n for n, moment in enumerate(scene._timeline.moments) if moment >= 30)
-    scene.show(at)
-    assert tallies(scene)[0] == f"Delivered: 23 steps, {DASH} s, {DASH} J"
-    assert not tallies(scene)[1].startswith("Delivered")
-    scene.show(len(scene) - 1)
-    assert tallies(scene)[1] == "Delivered: 23 steps, 49.8 s, 1,764 J"
-
-
-def test_frames_without_a_clock_advance_by_steps_beside_a_continuous_track(physics: Track) -> None:
-    scene = Scene([bare(), physics], make_figure)
-    scene.show(0)
-    assert f"0 steps, {DASH} s, {DASH} J" in texts(scene)
-    scene.show(scene._timeline.moments.index(1.0))
-    assert f"1 step, {DASH} s, {DASH} J" in texts(scene)
-
-
-@pytest.mark.parametrize("order", [1, -1])
-def test_maps_have_one_cell_size_and_their_upper_edges_in_line(grid, physics, order) -> None:
-    room = track_of_frames([["R....", "....."], [".R...", "....."]], {"battery": [1, 1]})
-    for tracks in ([grid, physics][::order], [grid, room][::order]):
-        one, other = maps(Scene(tracks, make_figure))
-        sides = [
-            axes.get_window_extent().width / (axes.get_xlim()[1] - axes.get_xlim()[0])
-            for axes in (one, other)
-        ]
-        assert sides[0] == pytest.approx(sides[1])
-        assert one.get_window_extent().y1 == pytest.approx(other.get_window_extent().y1)
 
 
 def boxes(scene: Scene) -> Iterator[Any]:

@@ -1,32 +1,14 @@
 """The pixels and texts of a scene."""
 
-import dataclasses
-
-import pytest
 from helpers.fleets import fleet_episode
-from helpers.pictures import ROOM, count_color, patch, pixels, replay_of, short_episode
+from helpers.pictures import ROOM, short_episode
 
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.records.plans import StepPlans
-from warehouse_core.render.palette import COLORS  # fmt: skip
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
-
-
-@pytest.mark.parametrize(("height", "width"), [(1, 1), (1, 120), (120, 1), (60, 60)])
-def test_a_layout_of_any_shape_fits_into_the_picture(height: int, width: int) -> None:
-    rows = ["." * width] * height
-    replay = replay_of([[["R", *rows[0][1:]], *rows[1:]]], {"battery": [1.0]})
-    box = replay.figure.axes[0].get_window_extent()
-    assert replay.figure.bbox.x0 <= box.x0 < box.x1 <= replay.figure.bbox.x1
-    assert replay.figure.bbox.y0 <= box.y0 < box.y1 <= replay.figure.bbox.y1
-    assert box.width / box.height == pytest.approx(width / height)
-    # On cells this small the robot is larger than a cell, so that it can be seen.
-    grid = patch(replay, pixels(replay), 0.0, 0.0, width - 0.01, height - 0.01)
-    assert count_color(grid, COLORS["R"]) > 5
-
 
 # Tracks that grow.
 
@@ -77,21 +59,3 @@ def record_of_a_bump() -> Episode:
     recorder = EpisodeRecorder(WarehouseEnv(ROOM, (1, 2), backend="physics"), seed=4)
     recorder.step("N")
     return recorder.episode
-
-
-def test_a_scene_shows_a_track_that_has_grown() -> None:
-    whole = track_of_record(short_episode())
-    metrics = {name: values[:1] for name, values in whole.metrics.items()}
-    start = dataclasses.replace(whole, frames=whole.frames[:1], metrics=metrics, ending="")
-    scene = Scene([start], make_figure, length=31)
-    assert "step 0 of 30" in [text.get_text() for text in scene.root.texts]
-    before = scene.root.axes[1].get_ylim()
-    scene.show(6, whole)
-    words = [text.get_text() for text in scene.root.texts]
-    delivered = "delivered in 6 steps; the minimum is 5"
-    assert {"step 6 of 30", delivered, "DELIVERED"} <= set(words)
-    low, high = scene.root.axes[1].get_ylim()
-    assert low < before[0]
-    assert high > 13
-    scene.show(0, start)
-    assert scene.root.axes[1].get_ylim() == (low, high), "the range is never narrowed"

@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.shapes import Shape, Shapes, lines
 from warehouse_core.viz.tracks.track import DrawnHit, Frame, Pose, Track
 from warehouse_core.viz.view import View
 
@@ -63,14 +62,3 @@ def test_the_label_of_a_hit_is_above_it_and_on_the_map(x: float) -> None:
     assert top >= 0
     plain = view_of(Frame(FLOOR, (ROBOT,), 0.0, hits=(DrawnHit((x, 3.0), ""),)))
     assert len(shapes(plain, fill="hit")) == 1
-
-
-def test_a_line_has_its_width_in_cells_also_in_pixels() -> None:
-    figure = make_figure((2, 1))
-    axes = figure.add_axes((0, 0, 1, 1))
-    axes.set(xlim=(0, 4), ylim=(2, 0))
-    axes.set_axis_off()
-    line = Shapes()
-    axes.add_artist(line)
-    line.show([Shape(lines([[(0, 1), (4, 1)]]), None, "ink", 0.2)])
-    assert (figure.rgba()[:, 100, 0] < 128).sum() == 0.2 * 50

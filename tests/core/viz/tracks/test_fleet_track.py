@@ -69,17 +69,6 @@ def test_orders_wait_at_their_pickups_and_age(episode: FleetEpisode) -> None:
     assert ages >= {0, 1, 2}
 
 
-def test_an_order_is_late_from_the_step_after_its_due_time() -> None:
-    order = Order(0, 3, (0, 0), (0, 8))
-    episode = driven([["PICK"], ["E"], ["E"], ["E"], ["E"]], orders=[order], starts=[(0, 0)])
-    frames = track_of_record(episode).frames
-    assert [frame.fleet and frame.fleet.items[0] for frame in frames] == [None, 1, 2, 2, 3, 3]
-    carried = driven([["PICK"], *[["E"]] * 8, ["DROP"]], orders=[order], starts=[(0, 0)])
-    track = track_of_record(carried)
-    assert track.frames[-1].caption == "1 delivered (1 late), 0 carried, 0 waiting"
-    assert track.ending == "all delivered"
-
-
 def test_the_energy_is_the_sum_over_all_robots(bodies) -> None:
     track = track_of_record(bodies)
     used = np.concatenate([[0.0], bodies.joules.sum(axis=1).cumsum()])
@@ -105,22 +94,6 @@ def test_motions_of_too_many_bodies_for_their_frames_raise(bodies, monkeypatch) 
     monkeypatch.setattr(record_track, "MAX_POSES", drawn // 2)
     with pytest.raises(RecordError, match=f"more than MAX_POSES = {drawn // 2} allows for"):
         track_of_record(bodies)
-
-
-def test_charts_show_what_the_measures_count(episode: FleetEpisode, bodies: FleetEpisode) -> None:
-    used = track_of_record(bodies).metrics["joules"]
-    assert used[-1] == pytest.approx(bodies.measures.joules)
-    track, measures = track_of_record(episode), episode.measures
-    shown = track.metrics
-    names = {"released", "delivered", "battery_mean", "battery_lowest"}
-    assert {name: len(values) for name, values in shown.items()} == dict.fromkeys(names, 81)
-    assert (shown["released"][-1], shown["delivered"][-1]) == (measures.orders, measures.delivered)
-    late = [max(late, 0) for _, late in track.lateness]
-    assert sum(late) / len(late) == pytest.approx(measures.mean_lateness)
-    for step in (0, 40, 80):
-        assert shown["battery_mean"][step] == pytest.approx(episode.battery[step].mean() / 100)
-        assert shown["battery_lowest"][step] == pytest.approx(episode.battery[step].min() / 100)
-        assert shown["released"][step] == sum(order.released <= step for order in episode.orders)
 
 
 def test_without_orders_the_items_delivered_are_counted() -> None:

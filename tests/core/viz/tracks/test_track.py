@@ -45,24 +45,6 @@ def captions(track: Track) -> list[str]:
 # Tracks of episodes.
 
 
-def test_captions_have_words_for_the_reasons_of_the_greedy_agent_and_for_indices() -> None:
-    episode = short_episode(
-        actions=["n", 3, "JUMP", 7, "WAIT", "PICK"],
-        reasons=["greedy", "escape", "", "why", "no goal", "stuck"],
-        terminated=False,
-    )
-    assert captions(track_of_record(episode))[1:] == [
-        "North: getting closer", "West: escaping a loop", "JUMP", "7: why",
-        "Wait: no goal to go to", "Pick up: stuck, trying a random move",
-    ]  # fmt: skip
-
-
-def test_the_ending_is_the_outcome_of_a_finished_episode() -> None:
-    assert track_of_record(short_episode()).ending == "delivered"
-    assert track_of_record(short_episode(terminated=False)).ending == ""
-    assert track_of_record(short_episode(terminated=False, truncated=True)).ending == "out of time"
-
-
 @pytest.mark.parametrize("name", HOSTILE_NAMES)
 def test_titles_and_captions_can_be_printed(name: str) -> None:
     track = track_of_record(named(name))
@@ -80,17 +62,6 @@ def test_motions_of_too_many_frames_raise() -> None:
 
 
 # Tracks of frames.
-
-
-def test_frames_of_an_environment_give_the_track_of_its_episode() -> None:
-    episode = short_episode()
-    bare, whole = track_of_frames(episode.frames, episode.metrics), track_of_record(episode)
-    assert tiles(bare) == tiles(whole)
-    seen, expected = ([(pose.at, pose.loaded) for pose in poses(each)] for each in (bare, whole))
-    assert seen == expected
-    assert bare.metrics == whole.metrics
-    assert bare.full_battery == whole.full_battery
-    assert (bare.title, bare.ending, captions(bare)) == ("", "", [""] * 7)
 
 
 def test_rows_may_be_strings_and_arrays() -> None:
@@ -202,18 +173,6 @@ def test_the_clock_and_energy_run_through_all_motions_and_without_readings_in_st
 def test_the_time_between_frames_must_be_positive(record: Episode, seconds: float) -> None:
     with pytest.raises(ValueError, match="frame_seconds is"):
         track_of_record(record, seconds)
-
-
-def test_a_track_on_the_grid_has_a_clock_for_its_pace_but_no_energy() -> None:
-    episode = short_episode()
-    slow = episode.motions[2]._replace(seconds=4.0, joules=70.0)
-    motions = [*episode.motions[:2], slow, *episode.motions[3:]]
-    track = track_of_record(dataclasses.replace(episode, motions=motions))
-    assert clocks(track) == [0, 1, 2, 6, 7, 8, 9]
-    assert not track.is_measured
-    assert {frame.energy for frame in track.frames} == {0}
-    titles = {series.chart for series in series_of(track, clocks(track))}
-    assert titles == {"Reward", "Distance (cells)"}
 
 
 def test_frames_of_two_robots_have_the_poses_of_both_and_a_common_hit_once() -> None:
