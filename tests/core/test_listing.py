@@ -15,10 +15,8 @@ from warehouse_core import (
     DEFAULT_LAYOUT,
     BackendError,
     BatchEnv,
-    EpisodeRecorder,
     FleetEnv,
     GridMotion,
-    Layout,
     LayoutError,
     WarehouseEnv,
     record_episode,
@@ -80,17 +78,6 @@ def test_a_seed_draws_the_same_with_an_override(name: str) -> None:
             assert changed.reset(randomize, seed) == plain.reset(randomize, seed)
             assert changed.grid == plain.grid
     assert random.getstate() == before
-
-
-def test_a_record_of_an_override_has_the_outcomes_of_the_grid() -> None:
-    actions = [*"ESWEWN", "PICK", *"EEEE", "WAIT", "DROP"]
-    changed = hall(subclass(_move=noting("_move", set())))
-    plain, composed = (
-        record_episode(env, Actor(*actions), randomize=False)
-        for env in (hall(WarehouseEnv), changed)
-    )
-    assert composed == plain
-    assert plain.outcome == "delivered"
 
 
 # Ten changes of the kind that the chapter asks for.
@@ -378,15 +365,6 @@ def test_an_agent_of_a_fleet_cannot_reset_it(before: int) -> None:
 
     with pytest.raises(EndedError, match="was reset, stepped"):
         record_episode(FleetEnv(robots=2, max_steps=9), Resetting())
-
-
-def test_an_environment_may_be_used_on_after_its_record() -> None:
-    env = hall(WarehouseEnv, max_steps=2)
-    recorder = EpisodeRecorder(env)
-    recorder.run(Actor("E"))
-    env.reset()
-    assert recorder.episode.steps == 2
-    assert Layout(env.grid) == recorder.episode.layout
 
 
 def test_a_robot_can_be_put_on_another_cell_between_listed_steps() -> None:

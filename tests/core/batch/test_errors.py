@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.batches import CORRIDOR, DISABLED, EAST, ROOM, SHOP, SOUTH, WAIT, WEST, over_modes
+from helpers.batches import CORRIDOR, DISABLED, EAST, ROOM, SHOP, SOUTH, WEST, over_modes
 
 from warehouse_core import BackendError, Layout, LayoutError
 from warehouse_core.batch import BatchEnv
-from warehouse_core.errors import EndedError
 from warehouse_core.world import tables as floor_tables
 
 
@@ -78,27 +77,6 @@ def test_invalid_masks_raise_and_change_nothing(mask: Any, error: type, message:
     with pytest.raises(error, match=message):
         batch.reset(5, mask)
     assert pickle.dumps(batch) == before
-
-
-def test_without_autoreset_a_step_raises_until_ended_rows_are_reset() -> None:
-    batch = BatchEnv(4, CORRIDOR, randomize=False, max_steps=5, autoreset_mode=DISABLED)
-    batch.reset()
-    batch.step([WAIT] * 4)
-    batch.reset(mask=np.array([True, False, False, True]))
-    for _ in range(4):
-        *_, truncated, info = batch.step([EAST] * 4)
-    assert truncated.tolist() == [False, True, True, False]
-    assert set(info) == {"motion", "_motion", "action_mask", "_action_mask"}
-    before = pickle.dumps(batch)
-    with pytest.raises(EndedError, match="2 rows have ended, row 1 first; they must be reset"):
-        batch.step([EAST] * 4)
-    assert pickle.dumps(batch) == before
-    batch.reset(mask=np.array([False, True, False, False]))
-    with pytest.raises(EndedError, match="1 rows have ended, row 2 first"):
-        batch.step([EAST] * 4)
-    batch.reset(mask=np.array([False, False, True, False]))
-    arrays, *_ = batch.step([EAST] * 4)
-    assert arrays["steps"].tolist() == [[5], [1], [1], [5]]
 
 
 @pytest.mark.parametrize(

@@ -12,31 +12,11 @@ from agents.lab.experiments.plan import read_plan_file
 from agents.learning.policy_network import PolicyNetwork
 from agents.learning.q_table import load_table
 from warehouse_core import Episode, Layout
-from warehouse_core.files.reading import not_a_file, open_file, read_file
+from warehouse_core.files.reading import open_file, read_file
 from warehouse_core.orders.files import load_orders
 from warehouse_core.world.map_files import load_map
 from warehouse_core.world.named_layouts import find_layout
 from warehouse_core.world.scenarios import load_scenarios
-
-
-def test_the_kind_of_what_is_not_a_file_is_returned(tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
-    os.mkfifo(tmp_path / "pipe")
-    (tmp_path / "to_pipe").symlink_to("pipe")
-    with socket.socket(socket.AF_UNIX) as one:
-        one.bind(str(tmp_path / "socket"))
-    kinds = {
-        "file": None,
-        "missing": None,
-        "file/in_a_file": None,
-        ".": "it is a folder, not a file",
-        "pipe": "it is a pipe, not a file",
-        "to_pipe": "it is a pipe, not a file",
-        "socket": "it is a socket, not a file",
-        os.devnull: "it is a device, not a file",
-    }
-    assert {name: not_a_file(tmp_path / name) for name in kinds} == kinds
-
 
 READERS: dict[str, Callable[[Path], Any]] = {
     "bytes": open_file,

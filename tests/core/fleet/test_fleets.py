@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.batches import MOTION
-from helpers.fleet_truth import charged_layout
+from helpers.fleet_truth import charged_layout, random_lone_steps_equal
 
 from warehouse_core import FleetEnv, Layout, OrderQueue, OrderStream
 from warehouse_core.batch import AUTORESET_MODES
@@ -107,16 +107,6 @@ def test_bad_input_is_an_error() -> None:
         FleetBatch(3, YARD, 2).measures(3)
 
 
-def test_fleets_are_numbered_from_0_to_the_last() -> None:
-    many = FleetBatch(3, YARD, 2)
-    many.reset(seed=1)
-    many.step(np.zeros(6, np.intp))
-    assert [many.measures(fleet).steps for fleet in range(3)] == [1, 1, 1]
-    for fleet in (-1, 3):
-        with pytest.raises(ValueError, match=rf"^fleet is {fleet}; it must be at "):
-            many.measures(fleet)
-
-
 def test_random_starts_are_empty_cells_first() -> None:
     for robots in (4, 6):
         fleet = FleetEnv(["P..", "D..", "C##"], robots, battery=10**6)
@@ -134,3 +124,9 @@ def test_a_floor_of_one_robot_among_people_is_moved_by_arrays() -> None:
     arrays, _ = fleet.reset(seed=1)
     assert arrays["local_grid"].shape == (1, 25)
     assert len(set(fleet.cells + fleet.people)) == 3
+
+
+@pytest.mark.parametrize("backend", ["grid", "physics"])
+def test_a_fleet_of_one_robot_is_the_warehouse_of_the_chapter(backend: str) -> None:
+    """The episodes are random, on floors with chargers."""
+    assert random_lone_steps_equal(600, seed=1, backend=backend) > 6

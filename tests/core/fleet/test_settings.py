@@ -122,15 +122,6 @@ def test_only_robots_of_orders_that_have_not_ended_are_assigned() -> None:
         fleet.assign(1, 0)
 
 
-def test_assignments_are_seen_at_once(fleet: FleetEnv) -> None:
-    assert fleet.observe(0)["pickup_pos"] is None
-    fleet.assign(0, 1)
-    assert (fleet.order_of, fleet.open_orders) == ([1, None], [0])
-    assert fleet.observe(0)["pickup_pos"] == (0, 0)
-    fleet.assign(0, None)
-    assert fleet.observe(0)["pickup_pos"] is None
-
-
 def test_too_few_chargers_are_warned_of() -> None:
     with pytest.warns(UserWarning, match="1 charger can keep 10 of 11 robots running, and"):
         FleetEnv(["....C.", "......"], 11, max_steps=300)

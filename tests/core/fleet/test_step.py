@@ -1,6 +1,5 @@
 """The order of events in a step, and their effects on robots."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -86,18 +85,6 @@ def test_a_charge_has_a_constant_current_up_to_its_knee_and_then_one_that_falls(
         assert (units <= 1000).all()
 
 
-def test_a_robot_on_a_charger_is_charged_past_the_knee() -> None:
-    battery = Battery(100, charge=30, knee=0.5)
-    fleet = begun(AISLE, 1, starts=[(0, 6)], battery=battery, max_steps=99)
-    assert fleet.state_of_charge == [1.0]
-    for action in [NORTH] * 50 + [WAIT]:
-        fleet.step([action])
-    missing = 50 * math.exp(-29 / 50)  # the first of 30 units is at a constant current
-    assert fleet.state_of_charge == pytest.approx([1 - missing / 100])
-    fleet.step([WAIT])
-    assert fleet.battery == pytest.approx([100 - (missing + 1) * math.exp(-30 / 50)])
-
-
 def test_a_robot_with_an_empty_battery_blocks_others() -> None:
     fleet = begun(
         ["......"], 2, starts=[(0, 3), (0, 0)], battery=Battery(25, "joules"), max_steps=9
@@ -114,19 +101,6 @@ def test_a_robot_with_an_empty_battery_blocks_others() -> None:
         fleet.step([WAIT, WAIT])
     fleet.reset()
     assert fleet.battery == [25, 25]
-
-
-def test_a_robot_that_has_delivered_waits_in_the_way_of_others() -> None:
-    fleet = begun(["PD.."], 2, starts=[(0, 0), (0, 3)])
-    fleet.step([PICK, WEST])
-    fleet.step([EAST, WAIT])
-    _, rewards, terminated, _, _ = fleet.step([DROP, WAIT])
-    assert terminated.tolist() == [True, False]
-    assert rewards[0] == rules.STEP_REWARD + rules.DROP_REWARD
-    _, rewards, terminated, _, info = fleet.step({1: "W"})
-    assert (rewards[0], terminated.tolist()) == (0.0, [True, False])
-    assert info["motion"]["stopped_by"].tolist() == [-1, 0]
-    assert fleet.measures.blocked_by_robot == 1
 
 
 def test_of_two_robots_over_one_cell_the_lower_number_is_served_first() -> None:
@@ -147,27 +121,6 @@ def test_of_two_robots_over_one_cell_the_lower_number_is_served_first() -> None:
     _, rewards, _, _, _ = fleet.step([PICK, PICK, PICK])
     assert (fleet.loaded, fleet.order_of) == ([True, False, False], [0, None, None])
     assert rewards.tolist() == [4.9, -0.6, -0.6]
-
-
-def test_stations_are_those_of_the_orders() -> None:
-    fleet = shop(order(pickup=(1, 1)), order(pickup=(1, 0), robot=1))
-    first, second = fleet.observe(0), fleet.observe(1)
-    assert fleet.order_of == [0, 1]
-    assert (first["pickup_pos"], first["dropoff_pos"], first["due"]) == ((1, 1), (0, 4), 50)
-    assert (second["pickup_pos"], second["charger_pos"]) == ((1, 0), (1, 4))
-    assert "P" not in "".join(
-        first["local_grid"]
-    )  # a robot stands there, and tiles of layouts do not count
-    arrays = fleet.step([PICK, PICK])[0]  # each robot is at the order of the other
-    assert fleet.loaded == [False, False]
-    assert plain(arrays["due"]) == ("int32", [[50], [50]])
-    fleet.step([NORTH, WAIT])
-    fleet.step([WAIT, WEST])
-    _, rewards, _, _, info = fleet.step([WAIT, PICK])
-    assert fleet.loaded == [False, True]
-    assert info["action_mask"][1].tolist() == [1, 1, 0, 0, 1, 0, 0]
-    assert fleet.observe(1)["pickup_pos"] is None
-    assert rewards[1] == rules.STEP_REWARD + rules.PICK_REWARD
 
 
 def test_open_orders_wait_for_all_and_are_seen() -> None:

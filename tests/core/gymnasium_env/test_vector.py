@@ -182,16 +182,6 @@ def test_layouts_of_different_sizes_share_one_space(form: str) -> None:
     assert sizes == [(each.height * pixels, each.width * pixels, 3) for each in layouts]
 
 
-def test_a_batch_can_be_copied_and_pickled() -> None:
-    for form in FORMS:
-        batch = WarehouseVectorEnv(3, ROOM, observation=form)
-        batch.reset(seed=1)
-        others = copy.deepcopy(batch), pickle.loads(pickle.dumps(batch))
-        expected = batch.step([EAST, WEST, SOUTH]), batch.reset()
-        for other in others:
-            assert same((other.step([EAST, WEST, SOUTH]), other.reset()), expected)
-
-
 def test_invalid_calls_raise_the_errors_of_gymnasium() -> None:
     batch = WarehouseVectorEnv(2, max_steps=1, autoreset_mode="Disabled")
     with pytest.raises(ResetNeeded, match=r"step\(\) needs a reset\(\) before it"):

@@ -1,9 +1,8 @@
 import math
-import random
 
 import pytest
 
-from warehouse_core import DEFAULT_LAYOUT, Contact, Layout, Outcome, random_layout
+from warehouse_core import DEFAULT_LAYOUT, Contact, Layout, Outcome
 from warehouse_core.motion import grid as grid_motion_module
 from warehouse_core.motion.grid import GridMotion, nominal_joules
 
@@ -67,19 +66,6 @@ def test_a_robot_starts_heading_east_and_keeps_its_heading_while_it_waits() -> N
     assert moved(motion, STAY).path[0, 3] == pytest.approx(-math.pi / 2)
     motion.reset(HALL, [(2, 2)], None)
     assert moved(motion, STAY).path[0, 3] == 0
-
-
-def test_the_cached_outcomes_equal_those_of_several_robots() -> None:
-    walls = random_layout(8, 8, 0.3, seed=5)
-    rows = [f"{row}##" for row in walls.rows]
-    rows[0] = rows[0][:-1] + "."
-    layout = Layout(rows)
-    alone, together = started((1, 1), layout=layout), started((1, 1), (0, 9), layout=layout)
-    stream = random.Random(0)
-    for _ in range(200):
-        move, loaded = stream.choice([STAY, NORTH, EAST, SOUTH, WEST]), stream.random() < 0.5
-        first, _ = together.advance([move, STAY], [loaded, False])
-        assert moved(alone, move, loaded) == first
 
 
 def test_the_cache_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:

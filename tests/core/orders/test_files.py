@@ -19,13 +19,6 @@ def test_orders_come_back_from_their_file_as_they_were_given(tmp_path: Path) -> 
     assert load_orders(str(path)) == []
 
 
-def test_blanks_and_other_line_ends_are_read(tmp_path: Path) -> None:
-    path = tmp_path / "orders.csv"
-    text = HEAD + " 0, 20 ,1,2,3,4, \n\n5,5,0,0,0,1,2"
-    path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
-    assert load_orders(path) == ORDERS
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [

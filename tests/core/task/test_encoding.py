@@ -3,7 +3,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warehouse_core import DEFAULT_LAYOUT, WarehouseEnv
+from warehouse_core import WarehouseEnv
 from warehouse_core.task.encoding import NOWHERE, encode, vector, vector_limits
 from warehouse_core.task.state import Observation
 
@@ -60,24 +60,6 @@ def test_a_vector_has_the_numbers_of_its_table() -> None:
     )
 
 
-def test_a_batch_of_vectors_equals_single_vectors() -> None:
-    env = WarehouseEnv(DEFAULT_LAYOUT)
-    each = [encode(env.observe())]
-    for seed in range(5):
-        each.append(encode(env.reset(randomize=True, seed=seed)))
-    together: Any = {
-        key: np.stack([np.asarray(arrays[key]) for arrays in each]).reshape(
-            2, 3, *np.shape(each[0][key])
-        )
-        for key in each[0]
-    }
-    assert together["has_item"].shape == (2, 3)
-    found = vector(together)
-    assert found.shape == (2, 3, 3 * 25 + 11)
-    assert np.array_equal(found.reshape(6, -1), np.stack([vector(arrays) for arrays in each]))
-    assert not np.shares_memory(found, vector(together))
-
-
 def test_the_limits_of_a_vector_are_exact() -> None:
     low, high = vector_limits(height=31, width=6, view_radius=0, battery=70, max_steps=90)
     assert (low.dtype, high.dtype) == (np.float32, np.float32)
@@ -93,15 +75,6 @@ def test_the_limits_of_a_vector_are_exact() -> None:
         vector(encode(last))[[3, 4, 6, 7, 11, 12, 13]],
         [*high[[3, 4]], *low[[6, 7]], *high[[11, 12, 13]]],
     )
-
-
-def test_in_a_vector_a_charger_is_floor() -> None:
-    vectors = [
-        vector(encode(WarehouseEnv([row, "...D"], (0, 0), view_radius=1).reset()))
-        for row in ("P.C.", "PCC.", "P...")
-    ]
-    assert {len(each) for each in vectors} == {3 * 9 + 11}
-    assert all(np.array_equal(each, vectors[2]) for each in vectors)
 
 
 def test_tiles_of_a_fleet_have_codes_of_their_own_in_a_window() -> None:

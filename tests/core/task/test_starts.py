@@ -7,35 +7,14 @@ import pytest
 from warehouse_core import Layout, LayoutError
 from warehouse_core.task.starts import (
     DRAWS,
-    NO_RANK,
-    Randomized,
     check_room,
-    draw_episode,
     draw_ranks,
-    has_start,
     motion_seed,
     randomized_parts,
 )
 
 BELOW_ONE = 1 - 2**-53
 """The largest random number."""
-
-
-@pytest.mark.parametrize(
-    ("uniforms", "expected"),
-    [
-        ((0, 0, 0, 0), [0, 1, 2]),
-        ((BELOW_ONE, BELOW_ONE, BELOW_ONE, 0), [4, 3, 2]),
-        # The third of 0 1 2 3 4, the third of 0 1 3 4, the second of 0 1 4.
-        ((0.5, 0.5, 0.5, 0), [2, 3, 1]),
-        # The fourth of 0 1 2 3 4, the second of 0 1 2 4, the second of 0 2 4.
-        ((0.7, 0.4, 0.4, 0), [3, 1, 2]),
-        ((0.3, 0, 0, BELOW_ONE), [1, 0, 2]),
-        ((0, BELOW_ONE, BELOW_ONE, 0.3), [0, 4, 3]),
-    ],
-)
-def test_each_cell_is_chosen_from_the_cells_that_are_left(uniforms, expected) -> None:
-    assert draw_ranks(np.array(uniforms), 5).tolist() == expected
 
 
 @pytest.mark.parametrize("count", [3, 5])
@@ -46,12 +25,6 @@ def test_every_triple_has_the_same_probability(count: int) -> None:
     ]
     found = draw_ranks(np.array(middles), count)
     assert sorted(map(tuple, found.tolist())) == sorted(permutations(range(count), 3))
-
-
-def test_with_only_two_cells_there_is_no_random_start() -> None:
-    uniforms = np.array([[0, 0, 0, 0], [0.6, 0, 0.9, 0], [0.6, 0, 0.9, 0]])
-    found = draw_ranks(uniforms, np.array([2, 2, 3]))
-    assert found.tolist() == [[0, 1, NO_RANK], [1, 0, NO_RANK], [1, 0, 2]]
 
 
 def test_the_seed_of_the_motion_is_the_last_number() -> None:
@@ -67,32 +40,6 @@ def test_a_layout_needs_room_for_pickup_and_dropoff() -> None:
         check_room(Layout(["P##"]))
     with pytest.raises(LayoutError, match=r"needs two open .*; the layout has 1 without a charg"):
         check_room(Layout(["P#CC"]))
-
-
-@pytest.mark.parametrize("randomized", [Randomized(True, True), Randomized(False, True)])
-def test_nothing_random_is_on_a_charger(randomized: Randomized) -> None:
-    before = Layout(["CP.C", ".CD.", "C.C."])
-    empty = {cell for cell in product(range(3), range(4)) if before.rows[cell[0]][cell[1]] == "."}
-    starts = set()
-    for uniforms in np.random.default_rng(0).random((300, DRAWS)):
-        layout, start = draw_episode(before, uniforms, randomized)
-        assert layout.chargers == before.chargers
-        assert layout.rows[start[0]][start[1]] == "."
-        starts.add(start)
-    assert starts == empty | set((before.pickups + before.dropoffs) * randomized.stations)
-
-
-@pytest.mark.parametrize(
-    ("rows", "randomized", "expected"),
-    [
-        (["..C"], Randomized(True, True), False),
-        (["...C"], Randomized(True, True), True),
-        (["PD.C"], Randomized(False, True), True),
-        (["PDC"], Randomized(False, True), False),
-    ],
-)
-def test_a_start_needs_a_cell_besides_stations_and_chargers(rows, randomized, expected) -> None:
-    assert has_start(Layout(rows), randomized) is expected
 
 
 @pytest.mark.parametrize(

@@ -63,13 +63,6 @@ def test_a_layout_is_given_in_any_of_its_forms(tmp_path, monkeypatch) -> None:
     assert as_layout("hall.map") == HALL.with_stations(None, None)
 
 
-def test_a_line_of_tiles_is_text_and_a_path_object_a_path(tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    HALL.save("PD")
-    assert as_layout("PD") == Layout(["PD"])
-    assert as_layout(Path("PD")) == HALL
-
-
 @pytest.mark.parametrize(
     ("given", "message"),
     [
