@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import Warehouse, write_mine
+from helpers.command_line import Warehouse
 from PIL import Image
 
 from agents.lab.commands import compare_agents
@@ -30,15 +30,6 @@ def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(warehouse, m
     assert max(map(len, lines)) <= 80
     assert EXPLANATION in out.replace("\n", " ")
     assert "none" not in "".join(line for line in lines if "A*" in line)
-
-
-def test_given_agents_are_compared_once_each_with_their_arguments(warehouse, monkeypatch) -> None:
-    monkeypatch.setenv("COLUMNS", "30")
-    write_mine("act", "pass", "'N'")
-    more = "--agent mine.py:Mine --agent greedy:memory=3 --agent astar --agent astar"
-    lines = warehouse(*SMALL, *more.split()).out.splitlines()
-    names = ["mine.py:Mine", "greedy:memory=3", "A*"]
-    assert [line for line in lines if line in [*AGENTS.values(), *names]] == 2 * names
 
 
 def test_the_options_set_the_start_and_the_stations(warehouse: Warehouse, monkeypatch) -> None:

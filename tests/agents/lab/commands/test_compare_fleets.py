@@ -1,7 +1,6 @@
 """Fleets in four worlds: ``warehouse compare backends --robots N``."""
 
 import csv
-import re
 from contextlib import closing
 from dataclasses import replace
 from math import inf
@@ -67,13 +66,6 @@ def test_worlds_are_compared_in_tables_a_page_and_a_file_of_values(warehouse: Wa
     assert page.count("<table") == 1
     assert page.count("<iframe") == 1
     assert "http" not in page.replace("http-equiv", "").replace("http://www.w3.org", "")
-
-
-def test_intervals_of_shares_come_from_pairs() -> None:
-    many = {world: runs * 10 for world, runs in scores(1.0, 0.5, 0.9, 0.8).items()}
-    rows = {name: cells for name, *cells in table_of(many, "").rows}
-    assert re.fullmatch(r"75\.0\n\(\d\d\.\d to \d\d\.\d\)", rows[PLAN][0])
-    assert [rows[world][1] for world in WORLDS] == ["100", "50", "90", "80"]
 
 
 def test_a_plan_that_delivers_nothing_has_no_shares() -> None:
@@ -199,12 +191,6 @@ def test_two_robots_that_touch_have_one_hit(records: dict[str, FleetEpisode]) ->
         *record.motions[1:],
     ]
     assert count_hits(motions) == 2
-
-
-def test_the_same_seed_gives_the_same_score(records: dict[str, FleetEpisode]) -> None:
-    score, record = run_trial(DISTURBED, 3, setting=SETTING)
-    assert score == score_of(records[DISTURBED], draw_orders(SETTING, 3), 0)
-    assert record is None
 
 
 def _with(record: FleetEpisode, **changed: object) -> FleetEpisode:

@@ -35,13 +35,6 @@ def test_a_dataset_has_the_episodes_of_an_agent(warehouse: Warehouse, datasets: 
     assert ended
 
 
-def test_without_a_seed_datasets_differ(warehouse: Warehouse) -> None:
-    for version in range(2):
-        assert warehouse("export", f"any-v{version}", "-n", 3).code == 0
-    first, second = (minari.load_dataset(f"any-v{version}")[0] for version in range(2))
-    assert first.observations[0].tolist() != second.observations[0].tolist()
-
-
 def test_what_cannot_be_is_refused_before_any_episode(refused, monkeypatch, datasets) -> None:
     assert refused("export", "old").startswith("'old' cannot name a dataset; allowed: ")
     line = refused("export", "new-v0", "--backend", "mine.py")

@@ -122,14 +122,6 @@ def test_orders_and_measures_of_all_shifts_are_written_as_tables(warehouse: Ware
     assert titles == printed - {"measure"} == {line.title for line in LINES}
 
 
-def test_what_was_not_measured_is_an_empty_field(warehouse: Warehouse) -> None:
-    out = warehouse(*SMALL, "--order-rate", 0, "--save", "none.csv").out
-    assert "no display" not in out, "a table is saved, so no window is wanted"
-    assert len(Path("none.csv").read_text(encoding="utf-8").splitlines()) == 1
-    [row] = csv.DictReader(Path("none-measures.csv").read_text(encoding="utf-8").splitlines())
-    assert (row["orders (items)"], row["mean lateness (steps)"]) == ("0", "")
-
-
 def test_means_leave_out_what_was_not_measured_and_have_intervals_of_many() -> None:
     two = dict(row[:2] for row in table([measured(), measured(mean_lateness=nan)], "").rows)
     assert two["mean lateness"] == "2.50"
@@ -156,19 +148,6 @@ def test_the_verdict_and_the_diagnosis_say_what_went_wrong() -> None:
     assert verdict([nothing], 8) == "0 of 1 order delivered; no robot ran out of battery or failed."
     half = [measured(delivered=2, on_time=1.0), measured(delivered=0, on_time=nan)]
     assert "2 of 40 orders delivered, 100% of them on time" in verdict(half, 20)
-
-
-@pytest.mark.parametrize("planner", ["pibt", "windowed:guidance=lanes"])
-def test_a_planner_and_an_assignment_by_name_lead_all_robots(planner, warehouse) -> None:
-    done = warehouse(*SMALL, "--order-rate", 0.2, "--planner", planner, "--assignment", "nearest",
-        "--save", "a.npz",
-    )  # fmt: skip
-    assert (done.code, done.err) == (0, "")
-    assert f"3 robots ({planner}) on layout depot" in done.out
-    episode = FleetEpisode.load("a.npz")
-    assert not episode.settings.dispatch
-    assert episode.assignments
-    assert episode.measures.blocked_by_robot == 0
 
 
 def test_the_replay_draws_the_plans_of_chosen_robots(warehouse: Warehouse) -> None:

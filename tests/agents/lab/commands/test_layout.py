@@ -4,7 +4,6 @@ import pytest
 from helpers.command_line import Refused, Warehouse
 
 from warehouse_core import Layout, random_layout, shelf_layout
-from warehouse_core.world.map_files import load_map
 from warehouse_core.world.named_layouts import named_layout
 
 
@@ -85,8 +84,3 @@ def test_check_names_what_is_wrong_with_a_layout(refused: Refused, rows: str, me
 )
 def test_what_is_no_layout_is_refused(refused, words, code, message) -> None:
     assert refused("layout", *words.split(), code=code).startswith(message)
-
-
-def test_a_layout_can_be_saved_as_a_map(warehouse: Warehouse) -> None:
-    assert warehouse("layout", "shelves:", "-o", "new.map").out == "saved new.map\n"
-    assert load_map("new.map") == shelf_layout().with_stations(None, None)

@@ -9,12 +9,7 @@ from helpers.command_line import Warehouse, write_mine
 from helpers.player import said_by
 from PIL import Image
 
-from agents.lab.commands.race import RACERS, TITLES, run_racer, states_of
-from agents.lab.trials.task import Task
-from agents.run_episode import run_episode
-from warehouse_core import Layout, WarehouseEnv, replay_episode
-from warehouse_core.records import EpisodeRecorder
-from warehouse_core.world.named_layouts import find_layout
+from agents.lab.commands.race import RACERS, TITLES
 
 MAX_BYTES = 250_000
 
@@ -47,30 +42,6 @@ def test_the_story_of_the_first_day_on_one_page(warehouse: Warehouse, backend: s
     late = tracks["A*"]["time"][-1] * 1.5
     assert caption_at(tracks["greedy without escape"], late).startswith("goes in circles: ")
     assert caption_at(tracks["A*"], late) == tracks["A*"]["captions"][-1]
-
-
-def test_all_race_on_the_same_floor_as_in_a_run_with_the_seed(warehouse: Warehouse) -> None:
-    task = Task(find_layout("default"))  # where stations are drawn
-    learner, greedy = (run_racer(name, task, 3) for name in ("q", "greedy"))
-    alone = run_episode("greedy", seed=3)
-    assert (greedy.cells, greedy.layout) == (alone.cells, alone.layout)
-    assert (learner.layout, learner.cells[0]) == (greedy.layout, greedy.cells[0])
-    assert learner.outcome == "delivered"
-    assert replay_episode(learner) == learner
-
-
-def test_a_state_is_told_for_each_step() -> None:
-    env = WarehouseEnv(Layout(["...PD"]), (0, 2), backend="grid")
-    env.reset()
-    recorder = EpisodeRecorder(env, seed=None, agent="by hand")
-    # It bumps into the border, picks, waits, and goes to and fro over the dropoff.
-    for action in [*"WWWEEE", "PICK", "WAIT", *"EWEWE"]:
-        recorder.step(action)
-    fetches, brings, circles = "goes to the item", "brings the item", "goes in circles"
-    assert list(states_of(recorder.episode)) == [
-        fetches, fetches, "does not move", fetches, fetches, fetches,
-        brings, "waits", brings, brings, brings, circles, circles,
-    ]  # fmt: skip
 
 
 def test_own_agents_race_once_each_and_one_that_fails_is_named(warehouse: Warehouse) -> None:

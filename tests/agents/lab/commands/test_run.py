@@ -33,14 +33,6 @@ def test_an_episode_runs_from_a_random_start_to_its_end() -> None:
     assert {(each.steps, each.outcome) for each in others} == {(3, "battery depleted")}
 
 
-def test_a_random_seed_is_kept_and_repeats_the_episode() -> None:
-    episode = run_episode()
-    assert episode.seed is not None
-    assert run_episode(seed=episode.seed) == episode
-    assert {run_episode(battery=1).seed for _ in range(5)} != {episode.seed}
-    assert run_episode(seed=0, battery=1).seed == 0
-
-
 MOTION = """
 from warehouse_core import GridMotion
 class Mine:

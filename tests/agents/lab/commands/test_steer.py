@@ -9,7 +9,6 @@ from matplotlib.backend_bases import KeyEvent
 
 from agents.lab.commands import steer
 from agents.lab.commands.steer import SteeringWheel
-from warehouse_core import Episode
 from warehouse_physics import RobotSpec
 from warehouse_physics.drive import DriveEnv
 
@@ -91,15 +90,6 @@ def test_wrong_settings_are_named(warehouse: Warehouse) -> None:
     refused = warehouse("run", "--backend", "drive:wheels=3", "--seed", 1)
     assert refused.code == 1
     assert "no number is called 'wheels'; allowed: radius" in " ".join(refused.err.split())
-
-
-def test_slippery_cells_reach_the_controlled_body(warehouse: Warehouse) -> None:
-    result = warehouse(
-        *("run", "--backend", "drive", "--seed", 12, "--slippery", "1,2", "--save", "e.npz"),
-        "--no-show",
-    )
-    assert result.code == 0
-    assert Episode.load("e.npz").slippery == ((1, 2),)
 
 
 def test_without_pymunk_the_command_says_what_to_install(warehouse: Warehouse, monkeypatch) -> None:

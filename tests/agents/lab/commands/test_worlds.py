@@ -55,15 +55,6 @@ def test_a_body_drives_the_path_of_the_grid_in_one_go(warehouse: Warehouse) -> N
     assert rows_of(wheels.out)["outcome"] == ["delivered"]
 
 
-def test_slippery_cells_limit_the_ice(warehouse: Warehouse) -> None:
-    words = ("--slippery", "6,4", "--save", "race.png")
-    done = warehouse("race", "--worlds", WORLDS, *words)
-    assert rows_of(done.out)["outcome"] == ["delivered"] * 3
-    assert "The robot visits the same cells in all worlds." in done.out
-    race = warehouse("race", "--agent", "astar", "--backend", "physics:grip=0.05", *words)
-    assert "backend physics:grip=0.05,slippery=6-4" in race.out
-
-
 @pytest.mark.parametrize(
     ("worlds", "expected"),
     [
@@ -121,20 +112,6 @@ def test_a_sentence_names_the_cause(warehouse: Warehouse) -> None:
     assert re.search(r"patience=1: in step 1 at \(6, 3\), the robot .* \(6, 2\)\. Its", noisy)
     failed = sentence_in(warehouse, "icy", "--agent", "greedy", "--max-steps", 24)
     assert "In the end: 9 of 24 steps missed their target cell" in failed
-
-
-def test_an_agent_that_takes_other_steps_for_its_own_reasons_is_diagnosed(warehouse) -> None:
-    Path("mine.py").write_text(
-        "from pathlib import Path\n"
-        "class Mine:\n"
-        "    def reset(self):\n"
-        "        self.is_first = not Path('been').exists()\n"
-        "        Path('been').touch()\n"
-        "    def act(self, seen):\n"
-        "        return 'E' if self.is_first else 'W'\n"
-    )
-    words = sentence_in(warehouse, "physics", "--agent", "mine.py", "--max-steps", 6)
-    assert "physics: the time ran out 16 steps short of the delivery; the minimum is 18." in words
 
 
 def record(backend: Any, *actions: str) -> Episode:

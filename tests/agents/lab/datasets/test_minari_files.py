@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import minari
-import numpy as np
 import pytest
 from minari.namespace import create_namespace
 
@@ -63,20 +62,6 @@ def test_what_minari_loads_is_bit_for_bit_what_was_recorded() -> None:
         assert read.keys() == nested(arrays).keys()
         [about] = loaded.storage.get_episode_metadata([number])
         assert about == {"id": number, "seed": seed, "total_steps": len(arrays["rewards"])}
-
-
-def test_the_recovered_environment_repeats_an_episode() -> None:
-    source = lone()
-    save_dataset("again-v0", source, source.episodes(SEEDS))
-    loaded = minari.load_dataset("again-v0")
-    env = loaded.recover_environment()
-    episode = loaded[4]
-    observation, _ = env.reset(seed=SEEDS[4])
-    assert (observation == episode.observations[0]).all()
-    steps = [env.step(action) for action in episode.actions]
-    assert (np.array([step[0] for step in steps]) == episode.observations[1:]).all()
-    assert [step[1] for step in steps] == episode.rewards.tolist()
-    assert steps[-1][2:4] == (episode.terminations[-1], episode.truncations[-1])
 
 
 def test_the_same_episodes_give_the_same_bytes() -> None:

@@ -85,16 +85,6 @@ def test_a_changed_layout_file_makes_another_case() -> None:
     assert keys[0] == keys[1] != keys[2]
 
 
-def test_a_case_is_described_by_its_settings_that_are_not_defaults() -> None:
-    write_mine("act", "pass", "'WAIT'")
-    assert flags_of(make_case({})) == []
-    assert flags_of(make_case({"battery": 200, "memory": 10})) == []
-    case = make_case({"agent": "mine.py:Mine", "battery": 20})
-    assert flags_of(case) == ["agent=mine.py:Mine", "battery=20"]
-    case = make_case({"escape": False, "backend": "physics", "robot.mass": 70.0})
-    assert flags_of(case) == ["escape=off", "backend=physics", "robot.mass=70"]
-
-
 @pytest.mark.parametrize(
     ("text", "reason"),
     [

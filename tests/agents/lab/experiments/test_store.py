@@ -123,14 +123,6 @@ def test_a_full_disk_is_an_error_and_earlier_rows_are_kept() -> None:
         assert store.seeds_done(case_id, EVERY) == {1}
 
 
-def test_writing_to_a_removed_file_is_an_error() -> None:
-    case_id = begun()
-    with Store(PATH) as store:
-        PATH.rename(PATH.with_name("away.sqlite"))
-        with pytest.raises(StoreError, match=r"^r\.sqlite: "):
-            store.add(case_id, [row(2)])
-
-
 def open_many(number: int, files: int, start: Barrier) -> None:
     """Open each file at the same time as other processes, and add two rows to it."""
     for file in range(files):

@@ -8,7 +8,7 @@ import pytest
 from helpers.submissions import notebook_of
 from IPython.core.inputtransformer2 import TransformerManager
 
-from agents.lab.grading.notebook import cells_of, load, parse_cell
+from agents.lab.grading.notebook import load, parse_cell
 
 CELLS = (
     "import no_such_module\nimport math\n%matplotlib inline\n!pip install x\nmath.pi?",
@@ -72,12 +72,6 @@ def test_commands_are_found_where_ipython_finds_them(tmp_path: Path) -> None:
     assert module.Robot.own == (3, "\n!important\nwhy?\n", None, {"percent": "a=3"})
     timed = module_of(tmp_path, notebook_of("%time x = 1  # really?\nclass A:\n    own = x"))
     assert timed.A.own == 1
-
-
-def test_the_last_of_several_definitions_counts_and_cells_of_text_do_not(tmp_path: Path) -> None:
-    text = notebook_of("class A:\n    x = 1", "class A:\n    x = 2")
-    assert module_of(tmp_path, text).A.x == 2
-    assert list(cells_of(notebook_of("class A: pass", kind="markdown").encode())) == []
 
 
 def test_errors_name_the_cell_and_its_line(tmp_path: Path) -> None:

@@ -108,46 +108,12 @@ def test_the_hardest_layout_comes_first_and_equal_seeds_are_different_tasks(
     assert not any("both deliver" in each for each in answer.sentences)
 
 
-def test_cases_without_a_common_seed_are_compared_by_their_intervals() -> None:
-    apart = [(ON, outcomes("d" * 20)), (OFF, outcomes("o" * 20, seed=50))]
-    assert verdict(apart).startswith("Escape on does best: 100%, 100 points more (77 to 100) than")
-
-
 def test_few_episodes_allow_no_verdict_on_a_mean() -> None:
     cases = [({"robots": n}, [fleet_row(0, per_hour=rate)]) for n, rate in ((4, 9.0), (8, 50.0))]
     assert verdict(cases, FLEETS) == (
         "Too few episodes to compare: rate of deliveries is 50.0 per hour with robots 8 and 9.00 "
         "per hour with robots 4."
     )
-
-
-def test_the_peak_shows_how_many_robots_are_too_many() -> None:
-    cases = [
-        ({"robots": 2 * n}, [fleet_row(seed, per_hour=rate + seed % 3) for seed in range(30)])
-        for n, rate in enumerate((40, 60, 60, 30), start=1)
-    ]
-    [answer] = answered(cases, FLEETS)
-    assert answer.question == "How many robots are too many?"
-    assert answer.verdict == (
-        "Rate of deliveries is highest with robots 4: 61.0 per hour, 20.0 per hour more (20.0 to "
-        "20.0) than with robots 2 and 30.0 per hour more (30.0 to 30.0) than with robots 8."
-    )
-    assert [each.split(" with ")[0] for each in answer.sentences] == [
-        "The rate of deliveries is 41.0 per hour (40.7 to 41.3)",
-        "The share on time is 50.0% (50.0 to 50.0)",
-        "The lateness of a delivery is 4.00 steps (4.00 to 4.00)",
-        "A delivery uses 1.00 kJ (1.00 to 1.00)",
-        "The share of moves that robots blocked is 10.0% (10.0 to 10.0)",
-        "Outcomes", "Outcomes", "Outcomes",
-    ]  # fmt: skip
-
-
-def test_time_and_energy_are_stated_where_they_are_measured() -> None:
-    rows = [row(n, seconds=60.0 + n, joules=4000.0) for n in range(25)]
-    [answer] = answered([({"backend": name}, rows) for name in ("grid", "physics")])
-    assert "A delivery uses 4,000 J (4,000 to 4,000) with backend physics." in answer.sentences
-    assert not any("backend grid takes" in each for each in answer.sentences)
-    assert not any("backend physics takes" in each for each in answer.sentences)
 
 
 def test_each_other_series_has_a_verdict_of_its_own_as_far_as_there_is_room() -> None:

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.results_files import Cases, experiment_of, hall, outcomes, row
+from helpers.results_files import Cases, experiment_of, hall, outcomes
 
-from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.store import Store
 from agents.lab.reports import figures as figures_module
@@ -22,10 +21,8 @@ from agents.lab.reports.figures import (
     modes_figure,
     pictures,
     roles_of,
-    stuck_cells,
 )
-from agents.lab.reports.results import LONE, STEPS, SUCCESS, Design, Experiment
-from warehouse_core import DEFAULT_LAYOUT
+from agents.lab.reports.results import STEPS, SUCCESS, Design, Experiment
 from warehouse_core.viz.figure import SceneFigure
 
 
@@ -175,21 +172,3 @@ def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
 def store(tmp_path: Path) -> Iterator[Store]:
     with Store(tmp_path / "r.sqlite") as opened:
         yield opened
-
-
-def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:
-    first, second, other = store.case_ids([make_case({"memory": m}) for m in (1, 2, 3)])
-    cells = {"wandering": [(1, 2), (1, 2), (3, 3)], "unreachable": [(1, 1)], "delivered": [(2, 2)]}
-    rows = [
-        row(0, mode, row=cell[0], col=cell[1]) for mode, found in cells.items() for cell in found
-    ]
-    store.add(first, [each._replace(seed=seed) for seed, each in enumerate(rows)])
-    store.add(second, [row(0, "wandering", row=1, col=2)])
-    store.add(other, [row(0, "wandering"), row(1, "stalled")])
-    stuck = stuck_cells(Experiment(store, LONE), DEFAULT_LAYOUT.rows, [first, second])
-    assert list(stuck) == ["unreachable", "wandering"]
-    assert stuck["wandering"].shape == (7, 12)
-    assert stuck["wandering"][1, 2] == 3
-    assert stuck["wandering"][3, 3] == 1
-    assert stuck["wandering"].sum() == 4
-    assert stuck["unreachable"].sum() == stuck["unreachable"][1, 1] == 1

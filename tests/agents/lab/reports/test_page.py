@@ -4,16 +4,13 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from helpers.pages import HOSTILE, a_page, a_page_of, found
+from helpers.pages import HOSTILE, a_page, a_page_of
 from helpers.player import said_by
 
-from agents.lab.console.table import TextTable
-from agents.lab.parameters import shown
 from agents.lab.reports.page import write_page
 from warehouse_core.viz.player.page import digest, script
 from warehouse_core.wording import printable
 
-NOTHING = shown(None)
 VOID = {"meta", "link", "img", "input", "source"}
 ALLOWED = {
     "html", "head", "meta", "link", "title", "style", "body", "header", "nav", "main", "section",
@@ -89,46 +86,6 @@ def rules_of(seen: Seen) -> dict[str, str]:
     """Return the Content-Security-Policy of a page."""
     [policy] = [each["content"] for each in seen.all("meta") if "http-equiv" in each]
     return dict(rule.split(maxsplit=1) for rule in policy.split("; "))
-
-
-def test_an_example_has_its_outcome_its_settings_and_a_replay_or_the_reason(path: Path) -> None:
-    write_page(path, a_page())
-    seen = read(path)
-    assert "Oscillation" in seen.said("h3")
-    assert "4,321 episodes" in seen.said("span")
-    assert "Swung to and fro." in seen.said("p")
-    assert seen.said("code") == ["escape=off", "battery=60"]
-    assert any(text.startswith("Seed 1234, 57 steps") for text in seen.said("p"))
-    example = found(episodes=1, steps=1, sentence="It cannot be run again: it is gone.")
-    write_page(path, a_page(Examples=[example]))
-    seen = read(path)
-    assert "It cannot be run again: it is gone." in seen.said("p")
-    assert "1 episode" in seen.said("span")
-    assert any(text.startswith("Seed 1234, 1 step,") for text in seen.said("p"))
-    assert "script-src" not in rules_of(seen)
-
-
-def test_columns_of_numbers_and_of_long_texts_have_a_class(path: Path) -> None:
-    columns = ("name", "mean", "share", "size", "nothing", "failure")
-    rows = [
-        ("a", "1,600.5", "71.2% (60.0 to 80.1)", "7x12", NOTHING, "it is late " * 9),
-        ("2", "-3", NOTHING, "8x12", NOTHING, ""),
-    ]
-    write_page(path, a_page(Settings=[], Cases=[TextTable(columns, rows)]))
-    seen = read(path)
-    heads = [each.get("class") for each in seen.all("th") if each["scope"] == "col"]
-    assert heads == [None, "number", "number", None, None, "words"]
-    assert [each.get("class") for each in seen.all("td")] == heads * 2
-
-
-def test_links_lead_to_the_sections_even_if_a_table_is_empty(path: Path) -> None:
-    write_page(path, a_page(**{"Made with 2": [TextTable(("case",), [])]}))
-    seen = read(path)
-    assert seen.open == []
-    targets = [each["href"] for each in seen.all("a")]
-    assert targets == [f"#{each['id']}" for each in seen.all("section")]
-    assert targets[-1] == "#made-with-2"
-    assert seen.said("a") == seen.said("h2")
 
 
 @pytest.mark.parametrize("name", HOSTILE)

@@ -41,15 +41,6 @@ def test_the_command_prints_the_answers_and_writes_the_page_and_nothing_else(
     assert {path.name for path in results.parent.iterdir()} == {"r.sqlite", "r.html"}
 
 
-def test_figures_are_saved_in_a_folder(results: Path, tmp_path: Path, warehouse: Warehouse) -> None:
-    page, folder = tmp_path / "page.html", tmp_path / "new" / "figures"
-    warehouse("report", results, "--no-replays", "-o", page, "--figures", folder)
-    names = {path.name for path in folder.iterdir()}
-    assert names == {"success.svg", "steps.svg", "modes.svg", "stuck-1.svg"}
-    assert page.exists()
-    assert not results.with_suffix(".html").exists()
-
-
 def test_the_page_is_written_even_if_the_output_is_closed(
     results: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,7 +10,6 @@ from agents.lab.experiments.plan import make_plan
 from agents.lab.reports.results import (
     FLEETS,
     FOLDERS,
-    JOULES,
     PER_HOUR,
     STEPS,
     SUCCESS,
@@ -19,7 +18,7 @@ from agents.lab.reports.results import (
     Results,
     described,
 )
-from agents.lab.trials.interval import Interval, paired_share_interval, share_interval
+from agents.lab.trials.interval import paired_share_interval, share_interval
 
 
 def estimates(results: Results) -> list[float | None]:
@@ -42,16 +41,6 @@ def test_counts_shares_and_means_cover_the_selected_cases() -> None:
         assert list(both.modes.items()) == [("delivered", 2), ("oscillation", 2), ("wandering", 1)]
         assert estimates(both) == [0.4, 20, 20, 40]
         assert estimates(second) == [0, None, None, None]
-
-
-def test_time_and_energy_are_means_over_deliveries() -> None:
-    rows = [row(n, seconds=10.0 * n, joules=7.0) for n in range(1, 40)]
-    rows.append(row(99, "stalled", seconds=1e9, joules=1e9))
-    with experiment_of([({"backend": "physics"}, rows)]) as experiment:
-        results = experiment.results(1)
-        assert estimates(results)[2:] == [200, 7]
-        assert results.interval(JOULES) == Interval(7.0, 7.0, 7.0)
-        assert results.is_measured
 
 
 def test_the_measures_of_a_fleet_are_means_of_the_episodes_that_have_them() -> None:
@@ -85,13 +74,6 @@ def test_two_cases_are_compared_on_the_seeds_that_both_have() -> None:
     assert steps.estimate == 2
     assert 1.6 < steps.low < 2 < steps.high < 2.4
     assert success == paired_share_interval(1, 0, 31)
-
-
-def test_cases_without_a_shared_seed_are_not_compared() -> None:
-    cases = [(ON, outcomes("dd")), (OFF, outcomes("dd", seed=10))]
-    with experiment_of(cases) as experiment:
-        assert experiment.paired(SUCCESS, 1, 2) is None
-        assert experiment.paired(STEPS, 1, 2) is None
 
 
 # The design of an experiment.
@@ -154,25 +136,6 @@ def test_an_unbalanced_experiment_compares_the_cases_that_it_has() -> None:
     assert rows_of(design, "max_steps") == [("battery 60", [90, 200])]
 
 
-def test_files_of_the_same_name_with_different_contents_are_distinguished(tmp_path: Path) -> None:
-    file = tmp_path / "hall.txt"
-    cases = {}
-    for number, rows in enumerate(["#####\n#P.D#\n#####", "#####\n#D.P#\n#####"]):
-        file.write_text(rows)
-        cases[number] = make_case({"layout": str(file)})
-    [factor] = Design(cases).factors
-    assert factor == ("layout", ("hall.txt", "hall.txt (version 2)"))
-
-
-def test_agents_of_one_name_and_different_code_are_distinguished() -> None:
-    codes: list[dict[str, str]] = [{}, {"fingerprint": "0" * 64}, {"fingerprint": "1" * 64}]
-    cases = {n: {**make_case({}), "agent": "mine.py:Mine", **code} for n, code in enumerate(codes)}
-    [factor] = Design(cases).factors
-    assert factor == (
-        "agent", ("mine.py:Mine", "mine.py:Mine (version 2)", "mine.py:Mine (version 3)"),
-    )  # fmt: skip
-
-
 def test_folders_are_left_out_where_file_names_are_unique(tmp_path: Path) -> None:
     files = [tmp_path / "a" / "hall.txt", tmp_path / "b" / "hall.txt", tmp_path / "a" / "yard.txt"]
     for number, file in enumerate(files):
@@ -190,12 +153,3 @@ def test_folders_are_left_out_where_file_names_are_unique(tmp_path: Path) -> Non
     assert factor.values == ("hall.txt", "hall.txt (version 2)", "yard.txt")
     assert FOLDERS.sub("", "ppo:/home/models/best.npz") == "ppo:best.npz"
     assert FOLDERS.sub("", "C:\\work\\robot.py:Class") == "robot.py:Class"
-
-
-def test_stations_are_a_factor_if_a_layout_is_used_with_both_settings(tmp_path: Path) -> None:
-    file = tmp_path / "hall.txt"
-    file.write_text("#######\n#P...D#\n#######")
-    drawn = [{"layout": str(file), "stations": "drawn"}, {"stations": "drawn"}]
-    design = Design(dict(enumerate(map(make_case, [{"layout": str(file)}, *drawn]))))
-    assert rows_of(design, "layout") == [("stations drawn", ["hall.txt", "default"])]
-    assert rows_of(design, "stations") == [("layout hall.txt", ["kept", "drawn"])]

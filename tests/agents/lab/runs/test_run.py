@@ -11,7 +11,7 @@ from agents.fleet import PlannedFleet, Team
 from agents.lab.runs.run import MAX_SEED, draw_seed, run
 from agents.mapf.planner import Situation
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import FleetEnv, Layout, WarehouseEnv, record_episode
+from warehouse_core import FleetEnv, Layout, WarehouseEnv
 
 ROOM = Layout(["########", "#P....P#", "#......#", "#D....D#", "########"])
 
@@ -121,18 +121,6 @@ def test_the_robot_whose_agent_fails_is_named() -> None:
     assert found is not None
     assert found[2].startswith("ValueError: too far")
     assert failed.value.episode.steps == int(found[1]) - 1
-
-
-def test_a_run_is_a_recorded_episode_of_the_same_seed() -> None:
-    team = Team([GreedyAgent(3), GreedyAgent(4)], 3)
-    begun: tuple[tuple[Any, Any], ...] = ((WarehouseEnv, GreedyAgent(3)), (fleet, team))
-    for make_env, agent in begun:
-        episode = run(make_env(), agent, 3)
-        assert episode == record_episode(make_env(), agent, seed=3)
-        assert episode.agent == type(agent).__name__
-    kept = run(WarehouseEnv(), GreedyAgent(3), 3, name="mine", randomize=False)
-    assert (kept.agent, kept.layout) == ("GreedyAgent", WarehouseEnv().layout)
-    assert run(fleet(), Directs(lambda: "N"), 3, name="mine").agent == "mine"
 
 
 def test_a_random_seed_is_short_and_independent_of_the_random_module() -> None:

@@ -9,7 +9,6 @@ from agents.lab.trials.rows import row_of
 from agents.lab.trials.scores import FleetScores
 from agents.lab.trials.task import FleetTask, Task
 from agents.run_episode import run_episode
-from agents.search.agents import SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout, Observation
 
@@ -68,17 +67,6 @@ def test_an_agent_is_made_for_each_seed_and_reset_before_it_acts() -> None:
     assert notes == ["seed 7", "reset", 0, 1, "seed 5", "reset", 0, 1]
     assert scores.delivered.tolist() == [False, False]
     assert scores.lengths.tolist() == [2, 2]
-
-
-def test_the_nodes_that_an_agent_expanded_are_counted() -> None:
-    layout = Task().layout
-    astar, ucs = (
-        Task().evaluate(lambda _, name=name: SearchAgent(layout, name), [3])
-        for name in ("astar", "ucs")
-    )
-    assert astar.rows == ucs.rows
-    assert astar.rows[0].steps == astar.rows[0].needed
-    assert 0 < astar.nodes[0] < ucs.nodes[0]
 
 
 def test_each_robot_of_each_episode_has_an_agent_with_a_seed_of_its_own() -> None:

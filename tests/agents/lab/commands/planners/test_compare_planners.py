@@ -10,9 +10,6 @@ from helpers.command_line import Refused, Warehouse, write_mine
 from PIL import Image
 
 from agents.lab.commands.planners.compare_planners import BOUND, run_trial
-from agents.lab.commands.planners.runs import find_floor
-from agents.lab.trials.figure import curves_figure
-from agents.lab.trials.interval import Interval
 
 SMALL = (
     "compare", "planners", "--layout", "hall", "--robots", "4, 2,4", "--lifelong", 30, "--jobs", 1,
@@ -61,27 +58,6 @@ def test_steps_that_took_too_long_are_reported(warehouse: Warehouse) -> None:
         "all robots waited"
         for robots in (2, 4)
     ]
-
-
-def test_the_picture_has_a_line_for_each_planner_and_its_interval() -> None:
-    curve = {8: Interval(1.0, 0.9, 1.1), 16: Interval(1.5, 1.4, 1.7)}
-    bound = {8: Interval(2.0), 16: Interval(4.0)}
-    figure = curves_figure({"$a$": curve, BOUND: bound}, "T", "goals", BOUND)
-    [axes] = figure.axes
-    [curve] = axes.containers
-    assert list(curve[0].get_ydata()) == [1.0, 1.5]
-    assert list(axes.get_lines()[-1].get_ydata()) == [2.0, 4.0]
-    intervals = curve[2][0].get_segments()
-    assert [each[:, 1].tolist() for each in intervals] == [[0.9, 1.1], [1.4, 1.7]]
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["$a$", BOUND]
-    figure.pixels()
-
-
-def test_planners_that_learn_know_the_goals_of_the_warehouse_of_papers() -> None:
-    floor = find_floor(None)
-    pickups = [row * floor.layout.width + col for row, col in floor.layout.pickups]
-    assert pickups == floor.goals.tolist()
-    assert not find_floor("depot").layout.pickups
 
 
 @pytest.mark.parametrize(
