@@ -108,12 +108,6 @@ def test_on_a_remembered_cell_it_escapes_for_escape_steps(escape_steps: int) -> 
     assert reasons == expected
 
 
-def test_another_loop_during_an_escape_does_not_lengthen_it() -> None:
-    cells = [(5, 5), (5, 5), (5, 5), (5, 5), (5, 9)]
-    reasons = [reason for _, reason in chosen(GreedyAgent(seed=0), *map(seen, cells))]
-    assert reasons == ["greedy", "escape", "escape", "escape", "greedy"]
-
-
 def test_an_escape_stops_at_the_goal() -> None:
     answers = chosen(GreedyAgent(seed=0), seen(), seen(), seen((9, 9)))
     assert answers[1][1] == "escape"
@@ -205,12 +199,6 @@ def test_it_uses_nothing_but_the_observation() -> None:
         }  # fmt: skip
         assert frozen == observation
         observation = env.step(action)[0]
-
-
-def test_it_never_drives_into_a_wall_in_view() -> None:
-    for seed in range(20):
-        episode = record_episode(WarehouseEnv(), GreedyAgent(seed=seed), seed=seed)
-        assert not any(motion.blocked for motion in episode.motions)
 
 
 @pytest.mark.parametrize(

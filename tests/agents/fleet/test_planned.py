@@ -139,20 +139,6 @@ def test_a_robot_that_goes_to_charge_gives_its_order_to_another() -> None:
     assert env.order_of == [None, 0]
 
 
-@pytest.mark.parametrize(("battery", "goal"), [(60, 9), (40, 3)])
-def test_an_item_is_delivered_before_charging_if_the_battery_lasts(battery: int, goal: int) -> None:
-    planner = windowed(LINE)
-    env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 0)], battery=90)
-    agent = begun(env, planner)
-    env.step(agent.act(env))
-    assert env.loaded == [True]
-    env._engine.battery[0] = battery
-    env._engine.robots.cells[0] = 1
-    agent._scheduler.chargers._low = lambda holder, until, needs: np.ones(1, np.bool_)  # type: ignore
-    agent.act(env)
-    assert planner.seen[-1].goals.tolist() == [goal]
-
-
 def test_a_robot_takes_no_order_for_which_its_battery_does_not_last() -> None:
     env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 8)], battery=130)
     for battery, order in (78, None), (79, 0):  # 8 + 9 steps, and 6 to the charger
@@ -311,14 +297,6 @@ def test_planners_and_agents_of_a_user_are_distinguished(tmp_path: Path) -> None
         make_fleet_agent(f"{mine}:Acts", None, 1, ROOM, log=PlanLog([0]))
 
 
-def test_robots_on_the_way_to_a_charger_are_urgent() -> None:
-    planner = Does()
-    env = fleet_of(LINE, 1, starts=[(0, 8)], orders=0.0, battery=40, max_steps=12)
-    record_fleet_episode(env, PlannedFleet(planner), seed=0)
-    urgent = [each.urgent.tolist() for each in planner.seen]
-    assert (urgent[0], urgent[-1]) == ([], [0])
-
-
 def test_with_very_many_pairs_orders_are_reassigned_every_few_steps(monkeypatch) -> None:
     monkeypatch.setattr("agents.fleet.scheduler.MAX_PAIRS", 0)
     places = (0, 0), (0, 1), (0, 7)
@@ -331,7 +309,6 @@ def test_with_very_many_pairs_orders_are_reassigned_every_few_steps(monkeypatch)
 # Logs of plans.
 
 DEPOT = find_layout("depot")
-ROW = Layout(["....."])
 
 
 def logged(planner: str, log: PlanLog, robots: int = 16, **options: Any) -> FleetEpisode:
@@ -370,29 +347,6 @@ def test_the_wish_of_a_robot_is_the_cheapest_path_to_its_goal() -> None:
     assert (wishes, pushers) == ({0: [(2, 2), (2, 3), (1, 3), (0, 3), (0, 2), (0, 1), (0, 0)]}, {})
     assert graph.path(3, 3) == [3]
     assert Graph(Layout(["..#.."])).path(0, 4) == [0]
-
-
-def test_a_robot_that_waits_against_its_plan_has_no_plan_any_more() -> None:
-    class Plans:
-        def plan_of(self, robot: int) -> list[int]:
-            return [1, 2, 3]
-
-    log = PlanLog([0])
-    for chosen in (1, 0):
-        log.add(Plans(), Graph(ROW), situation([0], [4]), np.array([chosen]))
-    assert [len(each.paths[0]) for each in log.plans] == [4, 2]
-    assert log.plans[0].wishes == {0: [(0, 3), (0, 4)]}
-    assert log.plans[1].wishes == {0: [(0, col) for col in range(5)]}
-
-
-def test_each_pushed_robot_is_logged_with_its_pusher() -> None:
-    planner, log = PIBT(Graph(ROW)), PlanLog(pushes=True)
-    given = situation([1, 2], [4, 2])
-    log.add(planner, planner.graph, given, planner.next_cells(given))
-    assert log.plans[0].pushers == {1: 0}
-    log = PlanLog(pushes=True)
-    logged("pibt", log, 40)
-    assert sum(len(each.pushers) for each in log.plans) > 10
 
 
 def test_a_lost_step_has_no_plans() -> None:

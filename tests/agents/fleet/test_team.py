@@ -12,7 +12,6 @@ from agents.fleet.team import ENOUGH, NEARLY_FULL, PATIENCE, Pilot, Site, Team
 from agents.registry import make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import FleetEnv, Layout, Observation, OrderStream
-from warehouse_core.fleet import Battery
 from warehouse_core.fleet.observation import FleetObservation
 from warehouse_core.records.recorder import record_fleet_episode, replay_fleet_episode
 from warehouse_core.world.actions import WAIT
@@ -185,11 +184,6 @@ def test_a_robot_drives_to_a_charger_in_time_and_stays_until_nearly_full(has_ite
         assert pilot.reason == "charges"
     assert pilot.act(seen(robot_pos=(1, 5), battery=full, **goal)) == WEST
     assert agent.seen[-1]["dropoff_pos"] == (3, 1)
-
-
-def test_a_robot_leaves_its_charger_where_charging_gets_slow() -> None:
-    full = [hall(battery=Battery(200, knee=knee)).full for knee in (1.0, 0.8, 0.5)]
-    assert full == pytest.approx([NEARLY_FULL * 200, 160, ENOUGH * 200])
 
 
 def test_more_robots_than_chargers_go_earlier_but_none_with_enough() -> None:

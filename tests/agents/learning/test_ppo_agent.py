@@ -1,14 +1,12 @@
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from helpers.networks import constant_network, random_network
 
-from agents.learning.policy_network import PolicyNetwork, input_size, network_input
+from agents.learning.policy_network import network_input
 from agents.learning.ppo_agent import PPOAgent, useful_now
 from warehouse_core import Cell, Layout, WarehouseEnv
 from warehouse_core.batch import BatchEnv
-from warehouse_core.task.encoding import FLEET_TILES, encode
+from warehouse_core.task.encoding import encode
 from warehouse_core.task.rules import useful_actions
 
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
@@ -107,19 +105,3 @@ def test_it_chooses_as_its_network_does_for_the_rows_of_a_batch() -> None:
         observation = env.reset_to(layout, state.robot_pos)
         assert np.array_equal(network_input(encode(observation)), network_input(arrays)[row])
         assert env.ACTIONS.index(PPOAgent(network).act(observation)) == expected
-
-
-def test_a_network_that_robots_share_samples_its_actions_by_the_seed() -> None:
-    widths = input_size(1, FLEET_TILES), 5, 5, 7
-    layers = [
-        (np.zeros((outputs, inputs)), np.zeros(outputs)) for inputs, outputs in pairwise(widths)
-    ]
-    network = PolicyNetwork(1, layers, FLEET_TILES)
-    observation = WarehouseEnv(view_radius=1).reset()
-
-    def actions(seed: int) -> list[str]:
-        agent = PPOAgent(network, seed=seed)
-        return [agent.act(observation) for _ in range(20)]
-
-    assert actions(3) == actions(3) != actions(4)
-    assert len(set(actions(3))) > 1

@@ -60,17 +60,6 @@ def test_an_episode_that_is_out_of_steps_is_truncated_unless_it_delivers_in_the_
     assert np.array_equal(observations[0], observations[1])
 
 
-def test_every_observation_is_within_the_limits() -> None:
-    batch = BatchEnv(50, max_steps=30, autoreset_mode="SameStep")
-    low, high = input_limits(batch)
-    stream = np.random.default_rng(1)
-    observations = [network_input(batch.reset(1)[0])]
-    assert low.shape == high.shape == observations[0].shape[1:]
-    for _ in range(60):
-        observations.append(vector_step(batch, stream.integers(0, 7, 50))[0])
-    assert all((low <= each).all() and (each <= high).all() for each in observations)
-
-
 def test_each_robot_of_a_fleet_is_a_row_until_the_fleet_restarts() -> None:
     batch = FleetBatch(2, ROOM, 2, orders=0.5, max_steps=3, autoreset_mode="SameStep")
     batch.reset(1)

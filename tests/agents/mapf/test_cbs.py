@@ -2,15 +2,11 @@
 
 import pytest
 from helpers.mapf_problems import problem_of, random_problem, random_problems, smallest_cost
-from helpers.mapf_runs import check_solver
 
 from agents.errors import PlanError
 from agents.mapf import cbs
 from agents.mapf.cbs import ConflictTree, solve_cbs
-from agents.mapf.graph import Graph
-from agents.mapf.problem import Problem
-from warehouse_core import Layout, random_layout
-from warehouse_physics import RigidBodyMotion
+from warehouse_core import random_layout
 
 SECONDS = 30.0
 
@@ -25,11 +21,6 @@ def test_costs_are_optimal() -> None:
             assert plan.sum_of_costs == plan.bound == smallest, (rows, problem.starts)
             solved += 1
     assert solved > 25
-
-
-def test_a_plan_is_valid_and_is_driven_by_bodies() -> None:
-    problem = random_problem(random_layout(16, 16, 0.1, 1), 12, 1)
-    assert check_solver(solve_cbs, [problem], SECONDS, RigidBodyMotion) == 1
 
 
 def test_robots_that_cross_a_wide_floor_take_few_nodes() -> None:
@@ -69,14 +60,6 @@ def test_sets_that_were_forgotten_are_made_again(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(cbs, "MAX_BYTES", 0)
     monkeypatch.setattr(cbs, "LEAST_KEPT", 1)
     assert solve_cbs(problem, SECONDS).cells.tolist() == plan.cells.tolist()
-
-
-def test_lanes_do_not_change_the_cost() -> None:
-    layout = Layout(["....", "...."])
-    costs = Graph(layout).neighbours[:, :4].astype("float32") * 0 + 5
-    problem = Problem(Graph(layout, costs), [0, 3], [3, 0])
-    assert solve_cbs(problem, SECONDS).sum_of_costs == 8
-    assert problem.lower_bound == 6
 
 
 def test_the_time_limit_is_in_the_message() -> None:

@@ -56,17 +56,6 @@ def test_on_full_floors_circulations_reach_what_others_do_not(monkeypatch) -> No
     assert 1.5 * one_by_one < both
 
 
-def test_equal_seeds_give_equal_runs_also_after_a_reset() -> None:
-    graph = Graph(FULL)
-    planner = Circulation(graph, seed=1)
-    one, other, third = (
-        run_lifelong(graph, each, 100, 12, 1, has_headings=True).cells
-        for each in (planner, planner, Circulation(graph, seed=2))
-    )
-    assert np.array_equal(one, other)
-    assert not np.array_equal(one, third)
-
-
 def test_urgent_robots_and_those_that_have_waited_go_first(monkeypatch) -> None:
     graph = Graph(Layout([".....", "##.##", "##.##"]))
     cells, goals = np.array([1, 3]), np.array([7, 12])  # the first is nearer, and would go first
@@ -120,11 +109,3 @@ def test_costs_below_a_step_lead_to_the_goal() -> None:
     for _ in range(7):
         cells = planner.next_cells(situation(cells, np.array([7])))
     assert cells.tolist() == [7]
-
-
-def test_circulations_ignore_costs_of_turns() -> None:
-    turning, plain = (
-        run_lifelong(graph, Circulation(graph), 60, 12, 1).cells
-        for graph in (Graph(FULL, None, 2.0), Graph(FULL))
-    )
-    assert np.array_equal(turning, plain)

@@ -42,19 +42,6 @@ def test_one_robot_takes_as_many_steps_as_its_distance_with_turns(make: Make) ->
         assert steps == field[graph.size + cell]
 
 
-def test_a_robot_with_the_wrong_heading_is_pushed_aside() -> None:
-    layout = Layout(["##.##", ".....", "##.##"])
-    graph = Graph(layout)
-    planner, cells, headings = WindowedPlanner(graph), np.array([6, 8]), np.array([1, 3])
-    goals = np.array([9, 5])  # they meet head-on, and the second has to turn before it can leave
-    for _ in range(12):
-        situation = Situation(cells, goals, np.array([False, False]), NO_CELLS)
-        headings, cells = np.divmod(planner.next_places(situation, headings), graph.size)
-        if (cells == goals).all():
-            return
-    raise AssertionError("they still block each other")
-
-
 @pytest.mark.parametrize(("make", "backend"), [(Circulation, "physics"), (WindowedPlanner, "grid")])
 def test_a_fleet_with_headings_delivers(make: Make, backend: str) -> None:
     layout = shelf_layout(aisle=2, pickups=4, chargers=2)

@@ -82,15 +82,6 @@ def test_crowds_move_by_the_rules(wrong_way: float, seed: int) -> None:
     assert check_planner(lambda graph: PIBT(graph, seed), problem, 60, seed=seed) > 100
 
 
-def test_after_a_reset_the_same_follows() -> None:
-    layout = random_layout(10, 10, 0.1, 3)
-    planner, cells = PIBT(Graph(layout), 7), layout.open_cells[:30].tolist()
-    goals = layout.open_cells[-30:].tolist()
-    first = [next_cells(planner, cells, goals) for _ in range(3)]
-    planner.reset()
-    assert [next_cells(planner, cells, goals) for _ in range(3)] == first
-
-
 def test_a_problem_that_it_does_not_solve_ends_in_time() -> None:
     problem = problem_of(["...."], [1, 2], [2, 1])
     with pytest.raises(PlanError, match=r"no plan after 0\.05 s"):

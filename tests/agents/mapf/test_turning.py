@@ -47,13 +47,6 @@ def test_plans_are_the_cheapest_and_there_is_none_only_if_brute_force_finds_none
     assert 0 < unsolved < 12
 
 
-def test_robots_in_a_ring_turn_and_then_move_at_once() -> None:
-    problem = Problem(Graph(Layout(["..", ".."])), [0, 1, 3, 2], [1, 3, 2, 0], headings=[1] * 4)
-    plan = lacam(problem, HOUR)
-    assert turning_conflict(problem, plan) is None
-    assert (plan.makespan, plan.sum_of_costs) == (3, 12)
-
-
 @pytest.mark.parametrize("solve", [lacam, solve_anytime])
 @pytest.mark.parametrize("seed", range(2))
 def test_crowds_get_plans_without_conflicts(solve, seed: int) -> None:

@@ -134,14 +134,6 @@ def test_the_exploring_agent_finds_a_path() -> None:
         assert episode.steps >= fewest(episode)
 
 
-def test_without_a_view_the_agent_delivers_on_the_default_layout_and_in_a_maze() -> None:
-    cases = [(DEFAULT_LAYOUT, seed) for seed in range(10)]
-    cases += [(named_layout("maze"), seed) for seed in range(5)]
-    for layout, seed in cases:
-        episode = run(ExploringAgent(), layout, seed, view_radius=0, max_steps=2000, battery=2000)
-        assert episode.outcome == DELIVERED, f"seed {seed}"
-
-
 def test_an_agent_that_does_not_replan_carries_out_its_first_plan_blindly() -> None:
     layout = named_layout("bay")
     blind, looking = SearchAgent(layout, replan=False), SearchAgent(layout)

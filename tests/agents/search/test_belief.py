@@ -66,16 +66,6 @@ def test_a_path_may_lead_around_walls_that_were_not_seen() -> None:
     assert breadth_first_search(BeliefProblem(belief, (5, 0), (5, 6))).cost == 6
 
 
-def test_news_has_the_cells_seen_for_the_first_time() -> None:
-    belief, env = believed()
-    assert belief.news == belief.known
-    belief.look(env.observe())
-    assert belief.news == {}
-    env.step("S")
-    belief.look(env.observe())
-    assert belief.news == {(4, col): WALL for col in (0, 1, 2)}
-
-
 def test_each_search_gives_the_same_cost_as_with_a_new_belief() -> None:
     """Moves that have been computed are computed again where a wall is found or forgotten."""
     stream, belief, fewest = random.Random(1), Belief(), set()
