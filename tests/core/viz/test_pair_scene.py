@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from matplotlib.axes import Axes
 
 from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -34,10 +33,6 @@ def physics(episodes: tuple[Episode, Episode]) -> Track:
     return track_of_record(episodes[1])
 
 
-def maps(scene: Scene) -> list[Axes]:
-    return [axes for axes in scene.root.axes if axes.get_aspect() == 1]
-
-
 def boxes(scene: Scene) -> Iterator[Any]:
     """Yield the boxes of everything that must not overlap."""
     scene.root.canvas.draw()
@@ -61,17 +56,13 @@ def check_boxes(scene: Scene) -> None:
 LONG = "goes round a wall that it has met before, because every other way is longer still " * 3
 
 
-def bare() -> Track:
-    return track_of_frames([["R."], [".R"]])
-
-
 def corridor() -> Track:
     env = WarehouseEnv(Layout(["P" + "." * 60 + "D"]), (0, 5), max_steps=3)
     return track_of_record(record_episode(env, GreedyAgent(seed=0), randomize=False))
 
 
 def test_nothing_overlaps_nor_leaves_a_picture_of_1366_pixels(grid: Track, physics: Track) -> None:
-    plain, wide = bare(), corridor()
+    plain, wide = track_of_frames([["R."], [".R"]]), corridor()
     for track in (grid, physics, plain, wide):
         for frame in track.frames:
             frame.caption = LONG
@@ -88,11 +79,9 @@ def test_more_than_four_tracks_are_in_rows_of_three_and_have_no_charts(grid, phy
     scene = Scene(tracks, make_figure)
     scene.show(len(scene) - 1)
     assert scene.root.bbox.width <= MAX_PIXELS
-    places = [axes.get_position() for axes in maps(scene)]
-    assert [place.x0 for place in places[:2]] == [place.x0 for place in places[3:]]
-    assert [len({round(place.y1, 6) for place in row}) for row in (places[:3], places[3:])] == [
-        1,
-        1,
-    ]
+    maps = [axes.get_position() for axes in scene.root.axes if axes.get_aspect() == 1]
+    rows = maps[:3], maps[3:]
+    assert [place.x0 for place in rows[0][:2]] == [place.x0 for place in rows[1]]
+    assert [len({round(place.y1, 6) for place in row}) for row in rows] == [1, 1]
     assert len(scene.root.axes) == 2 * len(tracks), "maps and batteries"
     check_boxes(scene)
