@@ -219,3 +219,15 @@ def test_it_delivers_in_about_85_of_100_episodes_and_less_often_without_escapes_
         record_episode(env, GreedyAgent(seed=seed, **options), seed=seed) for seed in range(200)
     )
     assert least < sum(episode.terminated for episode in episodes) / 200 < most
+
+
+def test_another_loop_during_an_escape_does_not_lengthen_it() -> None:
+    cells = [(5, 5), (5, 5), (5, 5), (5, 5), (5, 9)]
+    reasons = [reason for _, reason in chosen(GreedyAgent(seed=0), *map(seen, cells))]
+    assert reasons == ["greedy", "escape", "escape", "escape", "greedy"]
+
+
+def test_it_never_drives_into_a_wall_in_view() -> None:
+    for seed in range(20):
+        episode = record_episode(WarehouseEnv(), GreedyAgent(seed=seed), seed=seed)
+        assert not any(motion.blocked for motion in episode.motions)

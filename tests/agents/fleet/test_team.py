@@ -12,6 +12,7 @@ from agents.fleet.team import ENOUGH, NEARLY_FULL, PATIENCE, Pilot, Site, Team
 from agents.registry import make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import FleetEnv, Layout, Observation, OrderStream
+from warehouse_core.fleet import Battery
 from warehouse_core.fleet.observation import FleetObservation
 from warehouse_core.records.recorder import record_fleet_episode, replay_fleet_episode
 from warehouse_core.world.actions import WAIT
@@ -224,3 +225,8 @@ def test_a_robot_that_cannot_move_gives_way_after_some_steps() -> None:
     assert actions == [WEST] * PATIENCE + [0, WEST]
     agent.action = "WAIT"  # a robot that waits has not failed
     assert {pilot.act(seen()) for _ in range(PATIENCE + 2)} == {WAIT}
+
+
+def test_a_robot_leaves_its_charger_where_charging_gets_slow() -> None:
+    full = [hall(battery=Battery(200, knee=knee)).full for knee in (1.0, 0.8, 0.5)]
+    assert full == pytest.approx([NEARLY_FULL * 200, 160, ENOUGH * 200])

@@ -159,3 +159,9 @@ def test_the_utility_based_agent_avoids_unseen_cells_if_it_knows_another_path() 
     agent.act(WarehouseEnv(floor, (2, 0), view_radius=1).observe())
     assert agent._map.steps((2, 0), (2, 2)) == 2 + 5
     assert agent._map.steps((2, 0), (1, 1)) == 2
+
+
+def test_the_utility_based_agent_goes_round_a_person() -> None:
+    window = ["....#", "....#", "..RH#", "....#", "#####"]
+    seen = observed(window, (2, 2)) | {"pickup_pos": (1, 3), "dropoff_pos": (0, 0)}
+    assert UtilityBasedAgent().act(seen) == "N"  # type: ignore[arg-type]

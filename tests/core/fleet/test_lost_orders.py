@@ -57,3 +57,14 @@ def test_a_queue_goes_on_without_the_orders_that_are_lost() -> None:
         env.step(["WAIT", "WAIT"])
     assert 0 < env.measures.lost == env.measures.orders - 6
     assert {env.orders[number].pickup for number in env.open_orders} <= {(1, 0), (0, 0)}
+
+
+def test_a_robot_whose_order_is_lost_gets_its_next() -> None:
+    orders = [Order(0, 50, (0, 0), (0, 3)), Order(0, 60, (1, 0), (1, 3), 1)]
+    env = FleetEnv(FLOOR, 2, orders=orders, starts=[(0, 0), (1, 1)], dispatch=False)
+    env.reset(seed=0)
+    env.assign(1, None)
+    env.assign(1, 0)
+    env._engine.battery[0] = 1
+    env.step(["WAIT", "WAIT"])
+    assert (env.order_of, env.open_orders, env.measures.lost) == ([None, 1], [], 1)

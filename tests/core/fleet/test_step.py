@@ -1,5 +1,6 @@
 """The order of events in a step, and their effects on robots."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -226,3 +227,15 @@ def test_actions_come_as_a_list_an_array_or_a_mapping() -> None:
     ):
         fleet = begun(["P..", "..D"], 2, starts=[(0, 0), (1, 0)])
         assert fleet.step(actions)[4]["invalid_action"].tolist() == [False, True]
+
+
+def test_a_robot_on_a_charger_is_charged_past_the_knee() -> None:
+    battery = Battery(100, charge=30, knee=0.5)
+    fleet = begun(AISLE, 1, starts=[(0, 6)], battery=battery, max_steps=99)
+    assert fleet.state_of_charge == [1.0]
+    for action in [NORTH] * 50 + [WAIT]:
+        fleet.step([action])
+    missing = 50 * math.exp(-29 / 50)  # the first of 30 units is at a constant current
+    assert fleet.state_of_charge == pytest.approx([1 - missing / 100])
+    fleet.step([WAIT])
+    assert fleet.battery == pytest.approx([100 - (missing + 1) * math.exp(-30 / 50)])

@@ -22,7 +22,7 @@ from gymnasium.wrappers import (
 )
 from helpers.gymnasium_envs import CORRIDOR, ROOM, make, plain, same, walk
 
-from warehouse_core import Layout, LayoutError, WarehouseEnv
+from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.gymnasium_env import ID, WarehouseGymnasiumEnv
 from warehouse_core.gymnasium_env import env as gymnasium_env_module
@@ -304,3 +304,11 @@ def test_the_spec_has_the_limit_of_steps() -> None:
     assert [float(timed.step(WAIT)[0][-1]) for _ in range(7)] == pytest.approx(
         [step / 7 for step in range(1, 8)]
     )
+
+
+def test_the_same_seed_gives_the_same_episodes_after_any_others() -> None:
+    env = plain(layout=random_layout(9, 9, 0.2, seed=0))
+    first, starts = walk(env, seed=6), [env.reset()[0] for _ in range(4)]
+    assert same(tuple(walk(env, seed=6)), tuple(first))
+    assert len({str(start) for start in starts}) > 1
+    assert not same(tuple(walk(env, seed=7)), tuple(first))

@@ -233,3 +233,13 @@ def test_the_picture_of_a_row_equals_that_of_a_single_environment() -> None:
         env = plain(layout=ROOM, render_mode="rgb_array")
         env.reset(seed=5 + row)
         assert same(picture, env.render())
+
+
+def test_a_batch_can_be_copied_and_pickled() -> None:
+    for form in FORMS:
+        batch = WarehouseVectorEnv(3, ROOM, observation=form)
+        batch.reset(seed=1)
+        others = copy.deepcopy(batch), pickle.loads(pickle.dumps(batch))
+        expected = batch.step([EAST, WEST, SOUTH]), batch.reset()
+        for other in others:
+            assert same((other.step([EAST, WEST, SOUTH]), other.reset()), expected)

@@ -46,3 +46,10 @@ def test_what_cannot_be_is_refused_before_any_episode(refused, monkeypatch, data
     monkeypatch.setitem(sys.modules, "h5py", None)
     line = refused("export", "new-v0")
     assert line == "datasets need h5py, which is not installed: pip install 'minari[hdf5]>=0.5.2'"
+
+
+def test_without_a_seed_datasets_differ(warehouse: Warehouse) -> None:
+    for version in range(2):
+        assert warehouse("export", f"any-v{version}", "-n", 3).code == 0
+    first, second = (minari.load_dataset(f"any-v{version}")[0] for version in range(2))
+    assert first.observations[0].tolist() != second.observations[0].tolist()

@@ -207,3 +207,11 @@ def test_a_body_drives_the_path_of_an_agent_in_one_go(warehouse: Warehouse, tmp_
     assert "49.8" in again
     on_the_grid = warehouse("replay", saved, "--backend", "grid", "--no-show").out
     assert "seconds" not in on_the_grid
+
+
+def test_a_random_seed_is_kept_and_repeats_the_episode() -> None:
+    episode = run_episode()
+    assert episode.seed is not None
+    assert run_episode(seed=episode.seed) == episode
+    assert {run_episode(battery=1).seed for _ in range(5)} != {episode.seed}
+    assert run_episode(seed=0, battery=1).seed == 0

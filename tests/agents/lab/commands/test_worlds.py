@@ -136,3 +136,12 @@ def test_a_miss_is_a_move_to_a_free_cell_that_ended_elsewhere() -> None:
         "ice: in step 2 at (0, 0), the robot slid 1.5 m past (0, 1) on the slippery floor. Its "
         "plan went on as if it had arrived, hit a wall, and ended at (0, 2) without the item."
     )
+
+
+def test_slippery_cells_limit_the_ice(warehouse: Warehouse) -> None:
+    words = ("--slippery", "6,4", "--save", "race.png")
+    done = warehouse("race", "--worlds", WORLDS, *words)
+    assert rows_of(done.out)["outcome"] == ["delivered"] * 3
+    assert "The robot visits the same cells in all worlds." in done.out
+    race = warehouse("race", "--agent", "astar", "--backend", "physics:grip=0.05", *words)
+    assert "backend physics:grip=0.05,slippery=6-4" in race.out

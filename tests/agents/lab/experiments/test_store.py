@@ -219,3 +219,11 @@ def test_lost_pages_are_an_error_before_anything_is_written() -> None:
     data = PATH.read_bytes()
     PATH.write_bytes(data[: len(data) // 2] + bytes(len(data) - len(data) // 2))
     assert refused() == refused(read_only=True) != ""
+
+
+def test_writing_to_a_removed_file_is_an_error() -> None:
+    case_id = begun()
+    with Store(PATH) as store:
+        PATH.rename(PATH.with_name("away.sqlite"))
+        with pytest.raises(StoreError, match=r"^r\.sqlite: "):
+            store.add(case_id, [row(2)])
