@@ -140,8 +140,8 @@ def test_a_robot_that_goes_to_charge_gives_its_order_to_another() -> None:
 
 
 def test_a_robot_takes_no_order_for_which_its_battery_does_not_last() -> None:
-    env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 8)], battery=130)
-    for battery, order in (78, None), (79, 0):  # 8 + 9 steps, and 6 to the charger
+    env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 8)], battery=200)
+    for battery, order in (105, None), (106, 0):  # 8 + 9 steps, and 6 to the charger
         agent = begun(env)
         env._engine.battery[0] = battery
         agent.act(env)
