@@ -183,8 +183,11 @@ class Chargers:
             return
         empty = needs.battery <= 0
         is_blocked = np.isin(self.cells, needs.cells[empty])
-        is_far = self._distances[self.turn, needs.cells] > QUEUE_DISTANCE
-        over = (needs.battery >= self._full) | empty | is_blocked[self.turn] | is_far
+        distances = self._distances[self.turn, needs.cells]
+        # A robot that arrives with a flat battery would block the charger for good.
+        is_late = (needs.battery <= self._cost * distances) & (distances > 0)
+        over = (needs.battery >= self._full) | empty | is_blocked[self.turn] | is_late
+        over |= distances > QUEUE_DISTANCE
         self.turn[over] = NONE
         self._give_way(needs)
         holder = self._choose_first(needs.cells)
@@ -291,7 +294,7 @@ class Chargers:
         spare = self._spare(needs)[robots, None]
         waits = np.maximum(until - DETOUR * np.minimum(distances, OUT_OF_REACH), 0)
         near = distances <= self.home[needs.cells[robots], None] + NEARBY
-        reached = self._cost * distances <= needs.battery[robots, None]
+        reached = self._cost * distances < needs.battery[robots, None]
         allowed = reached & ((spare < self._reserve) | near & (waits <= PATIENCE))
         costs = np.where(allowed, distances + waits + HASTE * spare, OUT_OF_REACH)
         rows, columns = cheapest_matching(costs)

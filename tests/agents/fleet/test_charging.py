@@ -134,6 +134,9 @@ def test_a_robot_in_need_goes_to_any_charger_that_it_can_reach() -> None:
     for _ in range(3):
         chargers.update(needs([1, 2, 3], [9, 8, 7]))
     assert sorted(chargers.turn.tolist()) == [NONE, 0, 0]
+    for charge, turn in (2, NONE), (3, 0), (2, NONE):  # with a flat battery it would block it
+        chargers.update(needs([2, 6, 7], [charge, 99, 99]))
+        assert chargers.turn[0] == turn
 
 
 def test_paths_avoid_chargers_where_possible() -> None:
