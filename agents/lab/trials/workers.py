@@ -186,10 +186,18 @@ class _Process:
 
 def _work(parent: Connection[Any, Any]) -> None:
     """Run the calls that the parent process sends, and end when it ends, however it ends."""
+    is_over = threading.Event()
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        # Once only, so that the call can remove its files and end its processes.
+        signal.signal(number, signal.SIG_IGN)
+        is_over.set()
+        raise KeyboardInterrupt
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
-        signal.signal(signal.SIGTERM, _interrupt)  # here, because it raises KeyboardInterrupt
+        signal.signal(signal.SIGTERM, interrupt)  # here, because it raises KeyboardInterrupt
         while True:
             call = parent.recv()
             result, error = None, None
@@ -197,17 +205,14 @@ def _work(parent: Connection[Any, Any]) -> None:
                 result = call()
             except Exception as raised:
                 error = raised
+            if is_over.is_set():  # the call has caught the interrupt
+                break
             parent.send((result, error))
     except (EOFError, OSError):
-        pass
+        return
     except KeyboardInterrupt:
-        os._exit(1)  # a call may have left threads, for which the interpreter would wait
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Interrupt the call of a worker once, so that it removes its files and ends its processes."""
-    signal.signal(number, signal.SIG_IGN)
-    raise KeyboardInterrupt
+        pass
+    os._exit(1)  # a call may have left threads, for which the interpreter would wait
 
 
 def _end_with_parent() -> None:
