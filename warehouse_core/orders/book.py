@@ -20,7 +20,7 @@ NONE = -1
 NEVER = np.iinfo(np.int64).max
 
 AWAY = 10**8
-"""Row, in cells, that is farther away than any layout is large."""
+"""Row that is farther away than all rows of any layout."""
 
 
 class OrderBook:

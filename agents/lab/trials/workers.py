@@ -205,14 +205,13 @@ def _work(parent: Connection[Any, Any]) -> None:
                 result = call()
             except Exception as raised:
                 error = raised
-            if is_over.is_set():  # the call has caught the interrupt
-                break
+            if is_over.is_set():
+                raise KeyboardInterrupt  # once more, because the call has caught it
             parent.send((result, error))
     except (EOFError, OSError):
-        return
-    except KeyboardInterrupt:
         pass
-    os._exit(1)  # a call may have left threads, for which the interpreter would wait
+    except KeyboardInterrupt:
+        os._exit(1)  # a call may have left threads, for which the interpreter would wait
 
 
 def _end_with_parent() -> None:

@@ -200,7 +200,8 @@ def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solve
     improves plans of large teams until the time is up.
     """
     prepare_solvers()
-    name = "lacam" if split_name(name).source == AUTO else name
+    if split_name(name).source == AUTO:
+        name = "lacam"
     solver = registry.make_solver(name, SOLVERS, seed)
     if solver is not None:
         return solver
