@@ -154,4 +154,4 @@ def test_the_first_page_plays_by_itself(browser: Any, site: Path) -> None:
     with shown(browser, viewport=DESKTOP) as reading:
         reading.page.goto((site / "index.html").as_uri())
         [_, player] = reading.page.frames
-        wait_until(player, "globalThis.player?.isPlaying && player.time > 0")
+        wait_until(player, "globalThis.player?.time > 0")
