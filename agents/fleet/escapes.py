@@ -1,4 +1,4 @@
-"""Escapes from jams: a joint plan that brings one robot of a stuck fleet to its goal.
+"""Escapes from jams: a joint plan that brings one robot of a jam to its goal.
 
 In a narrow place, robots may wait forever for one another, or for people who wait for them. LaCAM
 then searches the joint steps of the robots and people around one robot, the chief, for a plan that
@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.mapf.graph import CLOSED, Fields
+from agents.mapf.graph import CLOSED, Fields, robots_in
 from agents.mapf.kernels import lacam
 from agents.mapf.kernels.buffers import table_of, write
 from agents.mapf.kernels.epibt import epibt_of
@@ -28,13 +28,16 @@ from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 
 PATIENCE = 6
-"""Time without progress of any robot after which a fleet counts as stuck, in steps of a cell."""
+"""Time without progress after which a fleet or two robots count as stuck, in steps of a cell."""
 
 STANDS = 4
 """Time without any move after which another plan is made, in steps of a cell."""
 
-MAX_MOVERS = 60
-"""Limit on the robots and people that move in a plan."""
+MOVERS, MAX_MOVERS = 16, 60
+"""Limits on the robots and people that move in the first plan, and in any later one.
+
+All others go on with their work. A plan for ``MOVERS`` more is made in each attempt.
+"""
 
 STEP_DECISIONS, MAX_STEPS = 3_000, 3
 """Decisions of robots in a step of the search, which take 0.035 s, and steps of a search."""
@@ -165,10 +168,12 @@ class Course:
 
 
 class Escapes:
-    """Plans for the robots of a stuck fleet, each for another chief.
+    """Plans for robots that are stuck, each for another chief.
 
     A fleet is stuck if no robot comes closer to its goal than its smallest distance since a robot
-    last picked, dropped or charged. While a search goes on in later steps, its robots stand.
+    last picked, dropped or charged. Two robots are stuck, even if others are not, if they stand and
+    each has no path to its goal except through the cell of the other. While a search goes on in
+    later steps, its robots stand.
 
     Args:
         fields: distances on the floor, in steps.
@@ -182,7 +187,8 @@ class Escapes:
         self._fields = fields
         self._near = [[each for each in neighbours if each != CLOSED] for neighbours in sides]
         self._nearest = np.full(robots, FAR)
-        self._cells = np.full(robots, NONE)
+        self._cells, self._goals = np.full((2, robots), NONE)
+        self._stood = np.zeros(robots, np.intp)
         self._waits = self._stands = self._tries = self._steps = 0
         self._deadlock: Deadlock | None = None
         self._search: JointSearch | None = None
@@ -215,43 +221,78 @@ class Escapes:
         self._nearest[is_nearer] = distances[is_nearer]
         self._waits = 0 if has_worked or is_nearer.any() else self._waits + 1
         self._stands = self._stands + 1 if np.array_equal(cells, self._cells) else 0
-        self._cells = cells.copy()
+        stood = (cells == self._cells) & (goals == self._goals) & (distances < FAR)
+        self._stood = np.where(stood, self._stood + 1, 0)
+        self._cells, self._goals = cells.copy(), goals.copy()
         where = cells.tolist() + people.tolist()[::-1]  # so that index ~number is a person
-        is_stuck = (
-            self._stands >= self._most_stands if self._course else self._waits >= self._patience
-        )
-        if is_stuck and self._search is None:
-            self._begin(where, goals, distances, walls)
+        chiefs = [] if self._search else self._chiefs(distances, len(people) > 0)
+        if chiefs:
+            self._begin(chiefs, where, walls)
         if self._search is not None:
             self._continue(where)
         if self._course is not None:
             return self._follow(where, walls)
         return {robot: where[robot] for robot in self.held}
 
-    def _begin(
-        self, where: list[int], goals: Integers, distances: Integers, walls: set[int]
-    ) -> None:
-        """Begin a search; in each attempt another robot is the chief, at first the nearest one."""
+    def _chiefs(self, distances: Integers, has_people: bool) -> list[int]:
+        """Return the robots of which one needs a plan as the chief, the nearest first."""
+        is_stuck = (
+            self._stands >= self._most_stands if self._course else self._waits >= self._patience
+        )
+        if is_stuck:
+            away: list[int] = np.argsort(distances, kind="stable").tolist()
+            return away[: np.count_nonzero(distances < FAR)]
+        # A person may give way without a plan, or walk into it.
+        return [] if self._course or has_people else self._opposed(distances)
+
+    def _opposed(self, distances: Integers) -> list[int]:
+        """Return two robots without any path except through each other's cells, or none.
+
+        Only the two that have stood longest face to face are checked, and not again too soon.
+        """
+        late = self._stood >= self._patience
+        if np.count_nonzero(late) < 2:
+            return []
+        graph, cells, goals = self._fields.graph, self._cells, self._goals
+        ahead = robots_in(graph.size, cells)[graph.neighbours[cells, :WAIT]]
+        ahead[(graph.neighbours[cells, :WAIT] == CLOSED) | ~late[ahead]] = NONE
+        ones, sides = np.nonzero((ahead != NONE) & late[:, None])
+        others = ahead[ones, sides]
+        is_nearer = self._fields.distances(goals[ones], cells[others]) < distances[ones]
+        is_nearer &= self._fields.distances(goals[others], cells[ones]) < distances[others]
+        pairs = np.stack([ones, others])[:, is_nearer]
+        if not pairs.size:
+            return []
+        one, other = pairs[:, self._stood[pairs].sum(axis=0).argmax()].tolist()
+        self._stood[[one, other]] = 0
+        return [] if self._passes(one, other) or self._passes(other, one) else [one, other]
+
+    def _passes(self, robot: int, other: int) -> bool:
+        """Return whether a robot has a path to its goal that avoids the cell of another."""
+        closed = {int(self._cells[other])} | self._fields.graph.closed
+        return int(self._goals[robot]) in self._distances(int(self._cells[robot]), closed)
+
+    def _begin(self, chiefs: list[int], where: list[int], walls: set[int]) -> None:
+        """Begin a search; in each attempt another robot is the chief."""
         self._stands = self._steps = 0
         self._deadlock, self._course = None, None
-        chiefs = np.argsort(distances, kind="stable")[: np.count_nonzero(distances < FAR)].tolist()
         for _ in chiefs:
             chief = chiefs[self._tries % len(chiefs)]
             self._tries += 1
-            self._deadlock = self._deadlock_of(chief, int(goals[chief]), where, walls)
+            self._deadlock = self._deadlock_of(chief, where, walls)
             if self._deadlock:
                 self._search = JointSearch(self._fields, self._deadlock, self._tries % 2 == 1)
                 return
 
-    def _deadlock_of(
-        self, chief: int, goal: int, where: list[int], walls: set[int]
-    ) -> Deadlock | None:
+    def _deadlock_of(self, chief: int, where: list[int], walls: set[int]) -> Deadlock | None:
         """Return the robots and people that are nearest to a chief, or ``None`` without a path."""
+        goal = int(self._goals[chief])
         numbers = range(len(self._cells)), range(len(self._cells) - len(where), 0)
         who_in = {where[who]: who for part in numbers for who in part}
         closed = walls | self._fields.graph.closed
         near = self._distances(where[chief], closed - {where[chief]})
-        cells = [cell for cell in near if cell in who_in][:MAX_MOVERS]
+        cells = [cell for cell in near if cell in who_in]
+        cells = cells[: min(MOVERS * self._tries, MAX_MOVERS)]
         blocked = (closed | who_in.keys()) - {*cells}
         reached = self._distances(goal, blocked)
         if goal in blocked or where[chief] not in reached:

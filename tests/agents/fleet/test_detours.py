@@ -7,7 +7,6 @@ from agents.fleet.detours import PATIENCE, Detours
 from agents.mapf.graph import Graph
 from agents.registry import make_fleet_agent
 from warehouse_core import Cell, FleetEnv, Layout, Order, OrderStream, shelf_layout
-from warehouse_core.fleet import FleetMeasures
 from warehouse_core.records.recorder import record_fleet_episode
 
 RING = Layout(["......", ".####.", "......"])
@@ -94,17 +93,13 @@ def test_another_goal_ends_a_detour() -> None:
     assert wait((2, 0), (0, 4)) == {}  # it cannot move on, but not because of the person
 
 
-def shift(env: FleetEnv, planner: str, seed: int) -> FleetMeasures:
-    agent = make_fleet_agent(planner, "urgent", seed, env.layout, env.settings.robots)
-    return record_fleet_episode(env, agent, seed=seed).measures
-
-
 def test_a_fleet_with_a_person_in_narrow_aisles_does_not_freeze() -> None:
     layout = shelf_layout(3, 4, 5, aisle=1, pickups=6, dropoffs=3, seed=1)
     env = FleetEnv(
         layout, 11, orders=OrderStream(0.4), people=1, battery=999, max_steps=300, dispatch=False
     )
-    assert shift(env, "pibt:guidance=lanes", 1).delivered > 60  # it froze after 20
+    agent = make_fleet_agent("pibt:guidance=lanes", "urgent", 1, layout, 11)
+    assert record_fleet_episode(env, agent, seed=1).measures.delivered > 60  # it froze after 20
 
 
 @pytest.mark.filterwarnings("ignore:0 chargers")
@@ -116,7 +111,6 @@ def test_a_path_leads_around_a_robot_with_a_flat_battery() -> None:
     )
     env.reset(seed=0)
     agent = make_fleet_agent("pibt", layout=layout)
-    agent.reset()
     env._engine.battery[1] = 1
     while not env.ended[0]:
         env.step(agent.act(env))

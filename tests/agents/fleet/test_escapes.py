@@ -56,7 +56,7 @@ class Floor:
 
 
 def test_nothing_is_planned_while_a_robot_comes_nearer_or_works() -> None:
-    floor = Floor(DEAD_END, [(0, 4), (0, 3)], [(2, 5), (0, 4)])
+    floor = Floor(DEAD_END, [(0, 4), (0, 3)], [(2, 5), None])
     assert [floor.step() for _ in range(PATIENCE)] == [{}] * PATIENCE
     assert floor.step(has_worked=True) == {}
     assert [floor.step() for _ in range(PATIENCE - 1)] == [{}] * (PATIENCE - 1)
@@ -65,6 +65,16 @@ def test_nothing_is_planned_while_a_robot_comes_nearer_or_works() -> None:
     assert [floor.step() for _ in range(PATIENCE)] == [{}] * PATIENCE
     floor.cells = [(0, 4), (0, 3)]
     assert [floor.step() for _ in range(PATIENCE)] == [{}] * PATIENCE
+
+
+def test_two_robots_pass_each_other_while_others_work_if_they_have_no_other_paths() -> None:
+    bypass = Layout(["P.....", "###.#.", "###..."])
+    for layout, people in ((DEAD_END, []), (DEAD_END, [(0, 0)]), (bypass, [])):
+        floor = Floor(layout, [(0, 4), (0, 3)], [(1, 3), (0, 4)])
+        floor.people = people
+        aims = [floor.step(has_worked=True) for _ in range(PATIENCE + 12)]
+        assert not any(aims[:PATIENCE])
+        assert any(aims) is (layout is DEAD_END and not people)
 
 
 def test_nobody_moves_into_people_or_robots_that_stay() -> None:
@@ -112,7 +122,7 @@ def test_nothing_is_planned_where_nobody_can_pass() -> None:
 
 
 def test_a_queue_of_any_length_lets_a_person_out_of_a_dead_end() -> None:
-    queue = 14
+    queue = 24
     hall, corridor = "." * (queue - 3), "#" * (queue + 1)
     layout = Layout([hall + corridor, hall + "." * queue + "D", "P" + hall[1:] + corridor])
     end = layout.width - 1
