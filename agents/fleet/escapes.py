@@ -242,7 +242,7 @@ class Escapes:
         if is_stuck:
             away: list[int] = np.argsort(distances, kind="stable").tolist()
             return away[: np.count_nonzero(distances < FAR)]
-        # A person may give way without a plan, or walk into it.
+        # People may give way without a plan, or walk into the robots of a plan.
         return [] if self._course or has_people else self._opposed(distances)
 
     def _opposed(self, distances: Integers) -> list[int]:
@@ -258,9 +258,10 @@ class Escapes:
         ahead[(graph.neighbours[cells, :WAIT] == CLOSED) | ~late[ahead]] = NONE
         ones, sides = np.nonzero((ahead != NONE) & late[:, None])
         others = ahead[ones, sides]
-        is_nearer = self._fields.distances(goals[ones], cells[others]) < distances[ones]
-        is_nearer &= self._fields.distances(goals[others], cells[ones]) < distances[others]
-        pairs = np.stack([ones, others])[:, is_nearer]
+        # Each of two robots that face each other stands on a shortest path of the other.
+        is_facing = self._fields.distances(goals[ones], cells[others]) < distances[ones]
+        is_facing &= self._fields.distances(goals[others], cells[ones]) < distances[others]
+        pairs = np.stack([ones, others])[:, is_facing]
         if not pairs.size:
             return []
         one, other = pairs[:, self._stood[pairs].sum(axis=0).argmax()].tolist()
