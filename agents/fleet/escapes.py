@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.mapf.graph import CLOSED, Fields, robots_in
+from agents.mapf.graph import CLOSED, Fields
 from agents.mapf.kernels import lacam
 from agents.mapf.kernels.buffers import table_of, write
 from agents.mapf.kernels.epibt import epibt_of
@@ -34,9 +34,9 @@ STANDS = 4
 """Time without any move after which another plan is made, in steps of a cell."""
 
 MOVERS, MAX_MOVERS = 16, 60
-"""Limits on the robots and people that move in the first plan, and in any later one.
+"""Largest numbers of robots and people that move in a first plan, and in any plan.
 
-All others go on with their work. A plan for ``MOVERS`` more is made in each attempt.
+Each further attempt may move ``MOVERS`` more. All others go on with their work.
 """
 
 STEP_DECISIONS, MAX_STEPS = 3_000, 3
@@ -242,7 +242,7 @@ class Escapes:
         if is_stuck:
             away: list[int] = np.argsort(distances, kind="stable").tolist()
             return away[: np.count_nonzero(distances < FAR)]
-        # People may give way without a plan, or walk into the robots of a plan.
+        # Such a plan rarely works where people walk, because they do not follow it.
         return [] if self._course or has_people else self._opposed(distances)
 
     def _opposed(self, distances: Integers) -> list[int]:
@@ -250,21 +250,21 @@ class Escapes:
 
         Only the two that have stood longest face to face are checked, and not again too soon.
         """
-        late = self._stood >= self._patience
-        if np.count_nonzero(late) < 2:
+        late = np.flatnonzero(self._stood >= self._patience).tolist()
+        robot_in = {int(self._cells[robot]): robot for robot in late}
+        near = [(robot, cell) for robot in late for cell in self._near[self._cells[robot]]]
+        pairs = [(robot, robot_in[cell]) for robot, cell in near if cell in robot_in]
+        if not pairs:
             return []
-        graph, cells, goals = self._fields.graph, self._cells, self._goals
-        ahead = robots_in(graph.size, cells)[graph.neighbours[cells, :WAIT]]
-        ahead[(graph.neighbours[cells, :WAIT] == CLOSED) | ~late[ahead]] = NONE
-        ones, sides = np.nonzero((ahead != NONE) & late[:, None])
-        others = ahead[ones, sides]
+        ones, others = np.array(pairs).T
+        cells, goals, distances_to = self._cells, self._goals, self._fields.distances
         # Each of two robots that face each other stands on a shortest path of the other.
-        is_facing = self._fields.distances(goals[ones], cells[others]) < distances[ones]
-        is_facing &= self._fields.distances(goals[others], cells[ones]) < distances[others]
-        pairs = np.stack([ones, others])[:, is_facing]
-        if not pairs.size:
+        is_facing = distances_to(goals[ones], cells[others]) < distances[ones]
+        is_facing &= distances_to(goals[others], cells[ones]) < distances[others]
+        if not is_facing.any():
             return []
-        one, other = pairs[:, self._stood[pairs].sum(axis=0).argmax()].tolist()
+        stood = np.where(is_facing, self._stood[ones] + self._stood[others], 0)
+        one, other = pairs[stood.argmax()]
         self._stood[[one, other]] = 0
         return [] if self._passes(one, other) or self._passes(other, one) else [one, other]
 

@@ -47,10 +47,11 @@ with 400 robots (0.49 per cell), and 15.2 and 15.9 with 600 (0.74).
 """
 
 ROBOT_SECONDS = 3e-5
-"""Seconds that a windowed plan of a robot takes in a step with new plans, if compiled.
+"""Seconds per robot that a step must have for windowed plans, if planners are compiled.
 
-On average a step takes 7e-6 s. With 256 robots and 0.01 s per step, windowed plans reach 5.74 goals
-per step on maps of cities, and circulations 5.38.
+A step takes 7e-6 s per robot on average, and up to 4e-5 s if it makes new plans. With 256 robots
+and 0.01 s per step, windowed plans reach 5.73 goals per step on maps of cities, and circulations
+5.38.
 """
 
 STEP_SECONDS = 0.1

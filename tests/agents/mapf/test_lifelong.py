@@ -49,7 +49,11 @@ def test_goals_depend_on_the_seed_and_not_on_the_planner() -> None:
 
 @pytest.mark.parametrize(
     ("robots", "goals", "named"),
-    [(0, GOALS, "0 robots; allowed: 1 to 20"), (21, GOALS, "21 robots"), (3, GOALS[:1], "two")],
+    [
+        (0, GOALS, "0 robots; allowed: 1 to 20"),
+        (21, GOALS, "21 robots"),
+        (3, GOALS[:1], "two goals"),
+    ],
 )
 def test_an_impossible_run_is_explained(robots: int, goals: np.ndarray, named: str) -> None:
     graph = Graph(LAYOUT)
