@@ -141,6 +141,7 @@ def test_players_in_frames_play_by_themselves_while_they_are_in_sight(
             is_seen = str(number == seen).lower()
             wait_until(player, f"globalThis.player?.isPlaying === {is_seen}")
         wait_until(players[seen], "player.time > 0")
+    assert all(player.evaluate("player.isOpening && player.time > 0") for player in players)
 
 
 def test_the_energy_of_a_fleet_is_that_of_its_chart_while_it_plays(opened, files) -> None:

@@ -6,7 +6,7 @@ import pytest
 from agents.fleet.detours import PATIENCE, Detours
 from agents.mapf.graph import Graph
 from agents.registry import make_fleet_agent
-from warehouse_core import Cell, FleetEnv, Layout, Order, OrderStream, shelf_layout
+from warehouse_core import Cell, FleetEnv, Layout, Order, shelf_layout
 from warehouse_core.records.recorder import record_fleet_episode
 
 RING = Layout(["......", ".####.", "......"])
@@ -95,9 +95,7 @@ def test_another_goal_ends_a_detour() -> None:
 
 def test_a_fleet_with_a_person_in_narrow_aisles_does_not_freeze() -> None:
     layout = shelf_layout(3, 4, 5, aisle=1, pickups=6, dropoffs=3, seed=1)
-    env = FleetEnv(
-        layout, 11, orders=OrderStream(0.4), people=1, battery=999, max_steps=300, dispatch=False
-    )
+    env = FleetEnv(layout, 11, orders=0.4, people=1, battery=999, max_steps=300, dispatch=False)
     agent = make_fleet_agent("pibt:guidance=lanes", "urgent", 1, layout, 11)
     assert record_fleet_episode(env, agent, seed=1).measures.delivered > 60  # it froze after 20
 

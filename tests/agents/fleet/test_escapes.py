@@ -22,12 +22,10 @@ def stays(cells: list[Cell], people: list[Cell]) -> list[Cell]:
 class Floor:
     """Robots that only make planned moves, and people whose steps a function gives."""
 
-    def __init__(
-        self, layout: Layout, cells: list[Cell], goals: list[Cell | None], cell_steps: float = 1.0
-    ) -> None:
+    def __init__(self, layout: Layout, cells: list[Cell], goals: list[Cell | None]) -> None:
         self.layout, self.cells, self.people = layout, cells, list[Cell]()
         self._goals, self._fields = goals, Fields(Graph(layout))
-        self._escapes = Escapes(self._fields, len(cells), cell_steps)
+        self._escapes = Escapes(self._fields, len(cells))
         self.held: list[int] = []
 
     def step(self, has_worked: bool = False, fixed: tuple[int, ...] = ()) -> dict[int, Cell]:
@@ -35,8 +33,7 @@ class Floor:
         layout = self.layout
         cells, people = layout.numbers(self.cells), layout.numbers(self.people)
         goals = np.array([NONE if goal is None else layout.number(goal) for goal in self._goals])
-        rows = self._fields.rows(goals)
-        all_aims = np.where(goals == NONE, FAR, self._fields.matrix[rows, cells])
+        all_aims = np.where(goals == NONE, FAR, self._fields.distances(goals, cells))
         walls = set(cells[list(fixed)].tolist())
         found = self._escapes.aims(cells, goals, all_aims, walls, people, has_worked)
         aims = {robot: layout.cell(aim) for robot, aim in found.items()}
