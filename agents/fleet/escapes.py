@@ -33,10 +33,11 @@ PATIENCE = 6
 STANDS = 4
 """Time without any move after which another plan is made, in steps of a cell."""
 
-MOVERS, MAX_MOVERS = 16, 60
-"""Largest numbers of robots and people that move in a first plan, and in any plan.
+FLEET_MOVERS, PAIR_MOVERS = 60, 16
+"""Limits on the robots and people that move in a plan for a stuck fleet, and for two stuck robots.
 
-Each further attempt may move ``MOVERS`` more. All others go on with their work.
+All others go on with their work. With 16 for both, two of 20 fleets in rooms delivered half as many
+items. With 60 for both, 48 fleets in rooms delivered 2% less.
 """
 
 STEP_DECISIONS, MAX_STEPS = 3_000, 3
@@ -225,25 +226,29 @@ class Escapes:
         self._stood = np.where(stood, self._stood + 1, 0)
         self._cells, self._goals = cells.copy(), goals.copy()
         where = cells.tolist() + people.tolist()[::-1]  # so that index ~number is a person
-        chiefs = [] if self._search else self._chiefs(distances, len(people) > 0)
-        if chiefs:
-            self._begin(chiefs, where, walls)
+        if self._search is None:
+            self._start(where, distances, walls)
         if self._search is not None:
             self._continue(where)
         if self._course is not None:
             return self._follow(where, walls)
         return {robot: where[robot] for robot in self.held}
 
-    def _chiefs(self, distances: Integers, has_people: bool) -> list[int]:
-        """Return the robots of which one needs a plan as the chief, the nearest first."""
+    def _start(self, where: list[int], distances: Integers, walls: set[int]) -> None:
+        """Begin a search if the fleet or two robots are stuck."""
         is_stuck = (
             self._stands >= self._most_stands if self._course else self._waits >= self._patience
         )
         if is_stuck:
-            away: list[int] = np.argsort(distances, kind="stable").tolist()
-            return away[: np.count_nonzero(distances < FAR)]
-        # Such a plan rarely works where people walk, because they do not follow it.
-        return [] if self._course or has_people else self._opposed(distances)
+            nearest: list[int] = np.argsort(distances, kind="stable").tolist()
+            chiefs = nearest[: np.count_nonzero(distances < FAR)]
+            self._begin(chiefs, FLEET_MOVERS, where, walls)
+            return
+        # Plans for two robots rarely work where people walk, because they do not follow them.
+        has_people = len(where) > len(self._cells)
+        pair = [] if self._course or has_people else self._opposed(distances)
+        if pair:
+            self._begin(pair, PAIR_MOVERS, where, walls)
 
     def _opposed(self, distances: Integers) -> list[int]:
         """Return two robots without any path except through each other's cells, or none.
@@ -273,27 +278,28 @@ class Escapes:
         closed = {int(self._cells[other])} | self._fields.graph.closed
         return int(self._goals[robot]) in self._distances(int(self._cells[robot]), closed)
 
-    def _begin(self, chiefs: list[int], where: list[int], walls: set[int]) -> None:
-        """Begin a search; in each attempt another robot is the chief."""
+    def _begin(self, chiefs: list[int], most: int, where: list[int], walls: set[int]) -> None:
+        """Begin a search for at most ``most`` movers; each attempt has another chief."""
         self._stands = self._steps = 0
         self._deadlock, self._course = None, None
         for _ in chiefs:
             chief = chiefs[self._tries % len(chiefs)]
             self._tries += 1
-            self._deadlock = self._deadlock_of(chief, where, walls)
+            self._deadlock = self._deadlock_of(chief, most, where, walls)
             if self._deadlock:
                 self._search = JointSearch(self._fields, self._deadlock, self._tries % 2 == 1)
                 return
 
-    def _deadlock_of(self, chief: int, where: list[int], walls: set[int]) -> Deadlock | None:
+    def _deadlock_of(
+        self, chief: int, most: int, where: list[int], walls: set[int]
+    ) -> Deadlock | None:
         """Return the robots and people that are nearest to a chief, or ``None`` without a path."""
         goal = int(self._goals[chief])
         numbers = range(len(self._cells)), range(len(self._cells) - len(where), 0)
         who_in = {where[who]: who for part in numbers for who in part}
         closed = walls | self._fields.graph.closed
         near = self._distances(where[chief], closed - {where[chief]})
-        cells = [cell for cell in near if cell in who_in]
-        cells = cells[: min(MOVERS * self._tries, MAX_MOVERS)]
+        cells = [cell for cell in near if cell in who_in][:most]
         blocked = (closed | who_in.keys()) - {*cells}
         reached = self._distances(goal, blocked)
         if goal in blocked or where[chief] not in reached:
