@@ -39,14 +39,9 @@ def failing(at: float, start: Cell = STARTS[0], planner: str = "pibt") -> tuple[
     """Return a shift in which the first robot fails, and the cell in which it fails."""
     stops = Disturbances(stops=(Stop(0, at, math.inf),))
     env = FleetEnv(
-        SHELVES,
-        4,
-        starts=[start, *STARTS[1:]],
-        orders=ORDERS,
+        SHELVES, 4, starts=[start, *STARTS[1:]], orders=ORDERS, max_steps=150, dispatch=False,
         backend=DrivingMotion(RobotSpec.fast(), stops),
-        max_steps=150,
-        dispatch=False,
-    )
+    )  # fmt: skip
     episode = shift(env, planner)
     assert env.ended[0]
     return episode, env.cells[0]
@@ -60,10 +55,8 @@ def test_an_item_is_lost_with_the_robot_that_carries_it_in_an_aisle(planner: str
     [lost] = [order for order in episode.orders if order.delivered is None]
     assert (lost.taken_by, lost.pickup) == (0, LOWER)
     result = result_of(episode)
-    assert (
-        result.diagnosis.sentence
-        == "1 robot failed permanently; 1 order can no longer be delivered"
-    )
+    said = result.diagnosis.sentence
+    assert said == "1 robot failed permanently; 1 order can no longer be delivered"
     said = verdict([result.measures], 4)
     assert "5 of 6 orders delivered" in said
     assert "Orders lost with these robots: 1." in said
@@ -81,14 +74,9 @@ def test_a_station_is_reached_from_another_side_than_where_a_robot_failed() -> N
 def test_a_robot_stops_where_its_battery_becomes_flat() -> None:
     orders = [Order(0, 50, (0, 7), (1, 7))]
     env = FleetEnv(
-        ["." * 7 + "P", "." * 7 + "D"],
-        2,
-        starts=[(0, 0), (1, 0)],
-        orders=orders,
-        battery=Battery(150, JOULES),
-        backend=DrivingMotion(),
-        dispatch=False,
-    )
+        ["." * 7 + "P", "." * 7 + "D"], 2, starts=[(0, 0), (1, 0)], orders=orders,
+        battery=Battery(150, JOULES), backend=DrivingMotion(), dispatch=False,
+    )  # fmt: skip
     env.reset(seed=0)
     env.assign(0, 0)
     while not env.ended[0]:

@@ -102,6 +102,12 @@ def test_a_shift_has_no_blocked_moves_and_is_repeated(assignment: str, people: i
     assert replay_fleet_episode(episode) == episode
 
 
+def test_a_lone_robot_takes_orders_again_after_it_has_charged() -> None:
+    env = fleet_of(ROOM, 1, orders=OrderQueue(2), battery=60, max_steps=300)
+    episode = record_fleet_episode(env, PlannedFleet(PIBT(Graph(ROOM))), seed=1)
+    assert episode.measures.delivered > 10  # it stopped after 4
+
+
 def test_the_order_of_a_robot_goes_to_a_nearer_one_until_it_is_picked() -> None:
     orders = [Order(0, 90, (0, 0), (0, 9)), Order(3, 90, (0, 9), (0, 0))]
 

@@ -5,13 +5,7 @@ import numpy as np
 import pytest
 
 from warehouse_core import Layout, LayoutError
-from warehouse_core.task.starts import (
-    DRAWS,
-    check_room,
-    draw_ranks,
-    motion_seed,
-    randomized_parts,
-)
+from warehouse_core.task.starts import DRAWS, check_room, draw_ranks, motion_seed, randomized_parts
 
 BELOW_ONE = 1 - 2**-53
 """The largest random number."""
