@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agents.fleet.detours import PATIENCE, Detours
+from agents.fleet.detours import LONG_PATIENCE, PATIENCE, Detours
 from agents.mapf.graph import Graph
 from agents.registry import make_fleet_agent
 from warehouse_core import Cell, FleetEnv, Layout, Order, shelf_layout
@@ -21,13 +21,14 @@ def aims(
     people: list[Cell],
     stays: int = 0,
     cell_steps: int = 1,
+    steps: int = PATIENCE,
 ) -> Aims:
     """Return the goals in each step of robots that do not move; the last ones always stay."""
     detours, robots = Detours(Graph(layout), len(cells), cell_steps), np.arange(len(cells))
     here, there, persons = (layout.numbers(each) for each in (cells, goals, people))
     found = [
         detours.goals(here, there, robots >= len(cells) - stays, persons)
-        for _ in range(PATIENCE * cell_steps + 1)
+        for _ in range(steps * cell_steps + 1)
     ]
     return [{robot: layout.cell(aim) for robot, aim in each.items()} for each in found]
 
@@ -59,8 +60,17 @@ def test_a_robot_that_waits_for_another_next_to_a_person_takes_priority() -> Non
 
 def test_a_robot_goes_back_behind_a_junction_to_let_a_person_out() -> None:
     assert aims(TREE, [(1, 3)], [(2, 3)], [(2, 3)])[-1] == {0: (0, 3)}
-    [aim] = aims(TREE, [(2, 3)], [(0, 0)], [(1, 3)])[-1].values()
-    assert aim == (2, 3)  # it stands at the end
+    # The person could go on, but only along the robot's path.
+    assert aims(TREE, [(0, 3)], [(2, 3)], [(1, 3)])[-1] == {0: (0, 2)}
+
+
+def test_a_robot_waits_longer_for_a_person_who_can_leave_its_path() -> None:
+    found = aims(TREE, [(2, 3)], [(0, 0)], [(1, 3)], 0, 4, LONG_PATIENCE)
+    assert found == [{}] * 4 * LONG_PATIENCE + [{0: (2, 3)}]  # it stands at the end
+    cells = [(2, 3), (0, 3)]
+    assert aims(TREE, cells, [(0, 0), (0, 6)], [(1, 3)])[-1][0] == (2, 3)  # the person is enclosed
+    robots = [(2, 3), (1, 3)]
+    assert aims(TREE, robots, [(0, 0), (1, 3)], [], 1)[-1] == {0: (2, 3)}  # that robot stays
 
 
 def test_robots_that_enclose_a_person_back_off_even_without_a_goal() -> None:
