@@ -1,8 +1,8 @@
 """Detours: robots that are blocked by a person or a staying robot go around them, or back.
 
 A planner does not plan around obstacles that stay for only some steps. Also, a robot that waits for
-the cell of a person may be the robot for which the person waits. A person who is blocked may turn,
-so that a robot in an aisle drives people ahead of it if it waits for its turn next to them.
+the cell of a person may be the robot for which the person waits. Blocked people turn at random, so
+that a robot that stays next to them in an aisle can drive them ahead of it.
 """
 
 from __future__ import annotations
