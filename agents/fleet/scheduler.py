@@ -171,11 +171,9 @@ class Scheduler:
         free = np.flatnonzero(able)
         columns = np.union1d(open_orders, order[free[order[free] != NONE]])
         state = free.tobytes(), columns.tobytes()
-        # Robots without an order may have charged since the last assignment.
-        is_new = state != self._assigned or (order[free] == NONE).any()
+        is_new, self._assigned = state != self._assigned, state
         if len(open_orders) and len(free) and is_new:
             self._change_orders(env, robots, free, columns, order)
-            self._assigned = state
         goals = np.where(order == NONE, NONE, known.pickup[order])
         return robots._replace(goals=np.where(robots.loaded, robots.goals, goals))
 

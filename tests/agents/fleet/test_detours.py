@@ -65,7 +65,7 @@ def test_a_robot_goes_back_behind_a_junction_to_let_a_person_out() -> None:
 
 
 def test_a_robot_waits_longer_for_a_person_who_can_leave_its_path() -> None:
-    found = aims(TREE, [(2, 3)], [(0, 0)], [(1, 3)], 0, 4, LONG_PATIENCE)
+    found = aims(TREE, [(2, 3)], [(0, 0)], [(1, 3)], cell_steps=4, steps=LONG_PATIENCE)
     assert found == [{}] * 4 * LONG_PATIENCE + [{0: (2, 3)}]  # it stands at the end
     cells = [(2, 3), (0, 3)]
     assert aims(TREE, cells, [(0, 0), (0, 6)], [(1, 3)])[-1][0] == (2, 3)  # the person is enclosed

@@ -55,8 +55,8 @@ def test_an_item_is_lost_with_the_robot_that_carries_it_in_an_aisle(planner: str
     [lost] = [order for order in episode.orders if order.delivered is None]
     assert (lost.taken_by, lost.pickup) == (0, LOWER)
     result = result_of(episode)
-    said = result.diagnosis.sentence
-    assert said == "1 robot failed permanently; 1 order can no longer be delivered"
+    sentence = result.diagnosis.sentence
+    assert sentence == "1 robot failed permanently; 1 order can no longer be delivered"
     said = verdict([result.measures], 4)
     assert "5 of 6 orders delivered" in said
     assert "Orders lost with these robots: 1." in said
